@@ -1,0 +1,1 @@
+"""Files from users: YAML to checked specifications with line numbers, and safe writing."""

@@ -1,0 +1,33 @@
+"""The one record of tolerances: what counts as zero, as equal, as found."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Tolerance:
+    """Tolerances of a verified result.
+
+    Attributes:
+        position: Largest position error of a found result [m].
+        rotation: Largest rotation error of a found result [rad].
+        bound: Largest violation of a joint bound [rad or m].
+        same_joint: Two paths are one minimum if no joint differs by more [rad or m].
+        same_objective: ... and their objectives differ by less than this times max(1, F).
+        singular: A singular value below this is reported as near-singular.
+        search: Optimality error at which a start of the search counts as converged.
+        polish: Optimality error of the final answer.
+    """
+
+    position: float = 1e-6
+    rotation: float = 1e-6
+    bound: float = 1e-9
+    same_joint: float = 0.02
+    same_objective: float = 1e-5
+    singular: float = 1e-3
+    search: float = 1e-7
+    polish: float = 1e-10
+
+
+TOLERANCE = Tolerance()
