@@ -1,0 +1,52 @@
+# `make paper` and `make test` set everything up by themselves: a virtual environment and the
+# locked dependencies of requirements/.
+PYTHON ?= $(shell command -v python3.11 || command -v python3)
+VENV := .venv
+BIN := $(VENV)/bin
+OUT ?= paper
+INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+
+.PHONY: paper test lint notebooks benchmark lock clean
+.DELETE_ON_ERROR:
+
+paper: $(VENV)/.core
+	$(BIN)/dualarm-pin paper --out $(OUT)
+
+test: $(VENV)/.dev
+	$(BIN)/python -m pytest
+
+lint: $(VENV)/.dev
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+notebooks: $(VENV)/.dev
+	$(BIN)/python -m pytest --nbmake notebooks/*.ipynb
+
+benchmark: $(VENV)/.dev
+	$(INSTALL) --require-hashes -r requirements/all.txt
+	$(BIN)/python benchmarks/solvers.py
+
+$(BIN)/python:
+	$(PYTHON) -m venv $(VENV)
+
+# The package itself is installed editable; a changed lock or pyproject.toml installs again.
+$(VENV)/.core: requirements/core.txt pyproject.toml | $(BIN)/python
+	$(INSTALL) --require-hashes -r requirements/core.txt
+	$(INSTALL) --no-deps --no-build-isolation --editable .
+	@touch $@
+
+$(VENV)/.dev: requirements/dev.txt $(VENV)/.core
+	$(INSTALL) --require-hashes -r requirements/dev.txt
+	@touch $@
+
+# Write the locks anew (needs uv): every platform, Python 3.11 and later, with hashes.
+LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header pyproject.toml requirements/build.in
+lock: | $(BIN)/python
+	$(INSTALL) uv
+	$(LOCK) -o requirements/core.txt
+	$(LOCK) --extra dev -c requirements/core.txt -o requirements/dev.txt
+	$(LOCK) --all-extras -c requirements/dev.txt -o requirements/all.txt
+
+clean:
+	rm -rf $(VENV) paper build dist
