@@ -18,6 +18,9 @@ class Tolerance:
         singular: A singular value below this is reported as near-singular.
         search: Optimality error at which a start of the search counts as converged.
         polish: Optimality error of the final answer.
+        unit: A quaternion or axis from a file may miss unit length by this much.
+        orthonormal: Largest entry of R^T R - 1 of a rotation matrix that is still accepted.
+        coincident: Points nearer than this are the same point [m].
     """
 
     position: float = 1e-6
@@ -28,6 +31,9 @@ class Tolerance:
     singular: float = 1e-3
     search: float = 1e-7
     polish: float = 1e-10
+    unit: float = 1e-3
+    orthonormal: float = 1e-4
+    coincident: float = 1e-9
 
 
 TOLERANCE = Tolerance()

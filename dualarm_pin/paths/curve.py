@@ -1,0 +1,219 @@
+"""Curves made of smooth pieces, and points on them by arc length."""
+
+from __future__ import annotations
+
+import heapq
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from dualarm_pin.arrays import Array
+from dualarm_pin.errors import InputError
+
+Along = Callable[[Array], Array]
+"""A function of the parameter t in [0, 1], shape (k,), with values of shape (k, 3)."""
+
+SHARP = math.radians(20.0)
+"""A curve that turns by more at one place has a corner there, and the corner gets a point."""
+
+_PANELS = 64
+_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
+
+
+@dataclass(frozen=True, eq=False)
+class Piece:
+    """One smooth piece of a curve.
+
+    Attributes:
+        point: Position in e1 [m].
+        derivative: Its derivative with respect to t, never zero.
+        normal: Outward unit normal of the surface it lies on, where there is one.
+        even: The derivative has constant length, so t is the share of the arc length.
+    """
+
+    point: Along
+    derivative: Along
+    normal: Along | None = None
+    even: bool = True
+
+    @property
+    def length(self) -> float:
+        """Arc length [m]."""
+        return float(self._table[-1])
+
+    def parameter(self, s: Array) -> Array:
+        """Return t at the arc lengths `s` from the start of the piece, shape (k,)."""
+        table = self._table
+        if self.even:
+            return np.asarray(np.clip(s / table[-1], 0.0, 1.0))
+        grid = np.linspace(0.0, 1.0, len(table))
+        t = np.interp(s, table, grid)
+        panel = np.clip((t * _PANELS).astype(int), 0, _PANELS - 1)
+        for _ in range(8):  # Newton on the exact length; the table is within 1 % already
+            missing = s - table[panel] - self._lengths(grid[panel], t)
+            t = np.clip(t + missing / np.linalg.norm(self.derivative(t), axis=1), 0.0, 1.0)
+        return np.asarray(t)
+
+    @cached_property
+    def _table(self) -> Array:
+        """Return the arc length up to each of the grid points."""
+        if self.even:
+            return np.array([0.0, np.linalg.norm(self.derivative(np.zeros(1)))])
+        grid = np.linspace(0.0, 1.0, _PANELS + 1)
+        return np.concatenate([[0.0], np.cumsum(self._lengths(grid[:-1], grid[1:]))])
+
+    def _lengths(self, start: Array, stop: Array) -> Array:
+        half = 0.5 * (stop - start)
+        t = (0.5 * (stop + start))[:, None] + half[:, None] * _NODES
+        speed = np.linalg.norm(self.derivative(t.reshape(-1)), axis=1).reshape(t.shape)
+        return np.asarray(half * (speed @ _WEIGHTS))
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """Points on a curve.
+
+    Attributes:
+        position: Shape (h, 3), in e1 [m].
+        tangent: Unit tangents, shape (h, 3). At a corner: the mean of the directions in which the
+            curve comes and leaves; where it turns straight back, the one in which it leaves.
+        arc_length: Exact arc length from the start of the curve, shape (h,) [m].
+        normal: Outward unit normals of the surface, shape (h, 3), or None.
+    """
+
+    position: Array
+    tangent: Array
+    arc_length: Array
+    normal: Array | None
+
+
+def line(start: Array, stop: Array, normal: Array | None = None) -> Piece:
+    """Return the straight piece from `start` to `stop`, shape (3,) each [m]."""
+    way = stop - start
+    return Piece(
+        lambda t: start + t[:, None] * way,
+        lambda t: np.broadcast_to(way, (len(t), 3)).copy(),
+        None if normal is None else constant(normal),
+    )
+
+
+def arc(
+    center: Array,
+    x: Array,
+    y: Array,
+    angle: float,
+    *,
+    rise: Array | None = None,
+    normal: Array | None = None,
+) -> Piece:
+    """Return center + x cos(a) + y sin(a) for a from 0 to `angle`, lifted evenly by `rise`.
+
+    Args:
+        center: Shape (3,) [m].
+        x: From the centre to the start, shape (3,) [m].
+        y: The same length, at a right angle, towards positive angles, shape (3,) [m].
+        angle: How far it turns [rad].
+        rise: Shape (3,), at a right angle to x and y [m].
+        normal: Unit normal of the surface it lies on, shape (3,).
+    """
+    lift = np.zeros(3) if rise is None else rise
+
+    def point(t: Array) -> Array:
+        a = (angle * t)[:, None]
+        return np.asarray(center + x * np.cos(a) + y * np.sin(a) + t[:, None] * lift)
+
+    def derivative(t: Array) -> Array:
+        a = (angle * t)[:, None]
+        return np.asarray(angle * (y * np.cos(a) - x * np.sin(a)) + lift)
+
+    return Piece(point, derivative, None if normal is None else constant(normal))
+
+
+def constant(vector: Array) -> Along:
+    """Return the function that is `vector` everywhere."""
+    return lambda t: np.broadcast_to(vector, (len(t), 3)).copy()
+
+
+def sample(
+    pieces: Sequence[Piece], *, points: int | None = None, step: float | None = None
+) -> Samples:
+    """Return points on a curve, evenly by arc length between its corners.
+
+    Both ends and every corner sharper than `SHARP` are points.
+
+    Args:
+        pieces: The curve, in order, each starting where the one before ends.
+        points: How many points; or
+        step: Largest distance of neighbours along the curve [m].
+
+    Raises:
+        InputError: Both or neither of the two given, or not enough points for the corners.
+    """
+    if (points is None) == (step is None):
+        given = "neither is" if points is None else "both are"
+        raise InputError(f"give one of `points` and `step`: {given} given", field="points")
+    starts = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
+    arrives, leaves = _end_tangents(pieces)
+    turn = np.arccos(np.clip(np.sum(arrives[:-1] * leaves[1:], axis=1), -1.0, 1.0))
+    corners = np.concatenate([[0.0], starts[1:-1][turn > SHARP], [starts[-1]]])
+    counts = _share(np.diff(corners), points, step)
+    s = np.concatenate(
+        [[0.0]]
+        + [
+            np.linspace(a, b, n + 1)[1:]
+            for a, b, n in zip(corners, corners[1:], counts, strict=False)
+        ]
+    )
+    return _at(pieces, starts, s)
+
+
+def _share(stretches: Array, points: int | None, step: float | None) -> list[int]:
+    """Return the number of intervals of each stretch, so that the longest interval is shortest."""
+    if step is not None:
+        if not step > 0.0:
+            raise InputError(f"a length above 0 is expected; given {step}", field="step")
+        return [max(1, math.ceil(length / step - 1e-9)) for length in stretches]
+    if points is None or points < len(stretches) + 1:
+        needed = f"this curve with {len(stretches) - 1} corners needs {len(stretches) + 1}"
+        raise InputError(f"{needed} points or more; given {points}", field="points")
+    counts = [1] * len(stretches)
+    queue = [(-length, k) for k, length in enumerate(stretches)]
+    heapq.heapify(queue)
+    for _ in range(points - 1 - len(stretches)):
+        _, k = queue[0]
+        counts[k] += 1
+        # Rounded, so that stretches of one length get the same share whatever the last digit.
+        heapq.heapreplace(queue, (-round(float(stretches[k]) / counts[k], 12), k))
+    return counts
+
+
+def _end_tangents(pieces: Sequence[Piece]) -> tuple[Array, Array]:
+    """Return unit tangents at the end and at the start of each piece."""
+    ends = np.array([piece.derivative(np.array([1.0, 0.0])) for piece in pieces])
+    ends = ends / np.linalg.norm(ends, axis=2, keepdims=True)
+    return ends[:, 0], ends[:, 1]
+
+
+def _at(pieces: Sequence[Piece], starts: Array, s: Array) -> Samples:
+    close = 1e-9 * starts[-1]
+    which = np.clip(np.searchsorted(starts, s + close, side="right") - 1, 0, len(pieces) - 1)
+    position, tangent, normal = np.zeros((3, len(s), 3))
+    for k in np.unique(which):
+        here = which == k
+        t = pieces[k].parameter(s[here] - starts[k])
+        position[here] = pieces[k].point(t)
+        tangent[here] = pieces[k].derivative(t)
+        if (along := pieces[k].normal) is not None:
+            normal[here] = along(t)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    joints = np.flatnonzero((np.abs(s - starts[which]) <= close) & (which > 0))
+    arrives, _ = _end_tangents(pieces)
+    mean = arrives[which[joints] - 1] + tangent[joints]
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    ahead = tangent[joints]
+    tangent[joints] = np.where(length > 1e-6, mean / np.maximum(length, 1e-6), ahead)
+    surface = all(piece.normal is not None for piece in pieces)
+    return Samples(position, tangent, s, normal if surface else None)

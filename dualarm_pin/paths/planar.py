@@ -1,0 +1,283 @@
+"""Curves in a plane of constant height: corner, circle, arc, raster, sine, figure eight.
+
+Their normal is the z axis of e1, so a tool with the default rotation stands on the plane.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualarm_pin.arrays import Array, finite
+from dualarm_pin.errors import InputError
+from dualarm_pin.path import Path
+from dualarm_pin.paths.curve import Along, Piece, Samples, arc, constant
+from dualarm_pin.paths.follow import Follow, Hold, follow, hold
+from dualarm_pin.paths.polyline import rounded
+
+_UP = np.array([0.0, 0.0, 1.0])
+
+
+def corner(
+    side: float = 0.15,
+    fillet: float = 0.01,
+    height: float = 0.3,
+    points: Sequence[int] | int | None = (13, 5, 13),
+    *,
+    step: float | None = None,
+    **how: Unpack[Hold],
+) -> Path:
+    """Return the corner of the paper's section IV.B, up along y and back along x.
+
+    Args:
+        side: Length l of a side [m].
+        fillet: Radius r of the fillet [m].
+        height: z of the plane [m].
+        points: Three numbers h1, h2, h3 of points on the first side, the fillet and the second
+            side, exactly by the paper's formulas; or one number, evenly by arc length.
+        step: Largest distance of neighbours [m], instead of `points`.
+        **how: See `Hold`.
+
+    Raises:
+        InputError: A length that is not positive, a fillet larger than the side, or fewer than
+            (2, 0, 2) points.
+    """
+    positive(side=side)
+    if not 0.0 < fillet < side:
+        message = f"a radius above 0 and below the side {side:g} is expected; given {fillet:g}"
+        raise InputError(message, field="fillet")
+    if step is not None:
+        points = None if points == (13, 5, 13) else points
+    if points is None or isinstance(points, int | np.integer):
+        vertices = [[side, 0.0, height], [side, side, height], [0.0, side, height]]
+        pieces = [flat(piece) for piece in rounded(np.array(vertices), fillet)]
+        return follow(pieces, "corner", {**how, "points": points, "step": step})
+    if step is not None:
+        raise InputError("give one of `points` and `step`: both are given", field="points")
+    return hold(_paper(side, fillet, height, points), "corner", how)
+
+
+def circle(
+    radius: float,
+    *,
+    center: ArrayLike = (0.0, 0.0),
+    height: float = 0.3,
+    start: float = 0.0,
+    turns: float = 1.0,
+    **how: Unpack[Follow],
+) -> Path:
+    """Return a circle, counter-clockwise seen from +z; first and last point are the same place.
+
+    Args:
+        radius: Above 0 [m].
+        center: x and y [m].
+        height: z of the plane [m].
+        start: Angle of the first point from x [rad].
+        turns: How often it goes round; negative for clockwise.
+        **how: See `Follow`.
+
+    Raises:
+        InputError: A radius that is not positive, or no turn.
+    """
+    if turns == 0.0:
+        raise InputError("a number other than 0 is expected", field="turns")
+    return follow([_arc(radius, center, height, start, 2 * math.pi * turns)], "circle", how)
+
+
+def arc_path(
+    radius: float,
+    start: float,
+    stop: float,
+    *,
+    center: ArrayLike = (0.0, 0.0),
+    height: float = 0.3,
+    **how: Unpack[Follow],
+) -> Path:
+    """Return an arc about z from the angle `start` to `stop`.
+
+    Args:
+        radius: Above 0 [m].
+        start: Angle of the first point from x [rad].
+        stop: Angle of the last point [rad]; below `start` for clockwise.
+        center: x and y [m].
+        height: z of the plane [m].
+        **how: See `Follow`.
+
+    Raises:
+        InputError: A radius that is not positive, or both angles the same.
+    """
+    if start == stop:
+        raise InputError("the arc has no length: start and stop are the same", field="stop")
+    return follow([_arc(radius, center, height, start, stop - start)], "arc", how)
+
+
+def raster(
+    width: float,
+    depth: float,
+    rows: int,
+    *,
+    fillet: float = 0.0,
+    center: ArrayLike = (0.0, 0.0),
+    height: float = 0.3,
+    **how: Unpack[Follow],
+) -> Path:
+    """Return rows to and fro along x, one beside the other along y.
+
+    Args:
+        width: Length of a row [m].
+        depth: Distance of the first and the last row [m].
+        rows: Number of rows, 2 or more.
+        fillet: Radius at the ends of the rows [m]; 0 for sharp corners.
+        center: x and y of the middle [m].
+        height: z of the plane [m].
+        **how: See `Follow`.
+
+    Raises:
+        InputError: A length that is not positive, fewer than 2 rows, or a fillet that is too large.
+    """
+    positive(width=width, depth=depth)
+    if rows < 2:
+        raise InputError(f"2 rows or more are expected; given {rows}", field="rows")
+    x = np.tile([-0.5, 0.5, 0.5, -0.5], rows)[: 2 * rows] * width
+    y = np.repeat(np.linspace(-0.5, 0.5, rows), 2) * depth
+    vertices = np.column_stack([x, y, np.zeros(2 * rows)]) + middle(center, height)
+    return follow([flat(piece) for piece in rounded(vertices, fillet)], "raster", how)
+
+
+def sine(
+    length: float,
+    *,
+    amplitude: float = 0.01,
+    periods: float = 4.0,
+    center: ArrayLike = (0.0, 0.0),
+    height: float = 0.3,
+    **how: Unpack[Follow],
+) -> Path:
+    """Return a sine wave along x, as a weaving weld runs.
+
+    Args:
+        length: Extent along x [m].
+        amplitude: Half of the extent along y [m].
+        periods: Number of waves.
+        center: x and y of the middle [m].
+        height: z of the plane [m].
+        **how: See `Follow`.
+
+    Raises:
+        InputError: A length, amplitude or number of waves that is not positive.
+    """
+    positive(length=length, amplitude=amplitude, periods=periods)
+    origin, turn = middle(center, height), 2 * math.pi * periods
+
+    def point(t: Array) -> Array:
+        x, y = length * (t - 0.5), amplitude * np.sin(turn * t)
+        return origin + np.column_stack([x, y, np.zeros_like(t)])
+
+    def derivative(t: Array) -> Array:
+        y = amplitude * turn * np.cos(turn * t)
+        return np.column_stack([np.full_like(t, length), y, np.zeros_like(t)])
+
+    return follow(spans(point, derivative, math.ceil(periods)), "sine", how)
+
+
+def figure_eight(
+    radius: float,
+    *,
+    center: ArrayLike = (0.0, 0.0),
+    height: float = 0.3,
+    **how: Unpack[Follow],
+) -> Path:
+    """Return a figure eight along x, closed: x = a sin t, y = a sin t cos t.
+
+    Args:
+        radius: Half of its extent along x, a [m]; along y it reaches half as far.
+        center: x and y of the crossing, where it starts [m].
+        height: z of the plane [m].
+        **how: See `Follow`.
+
+    Raises:
+        InputError: A radius that is not positive.
+    """
+    positive(radius=radius)
+    origin, turn = middle(center, height), 2 * math.pi
+
+    def point(t: Array) -> Array:
+        x, y = radius * np.sin(turn * t), 0.5 * radius * np.sin(2 * turn * t)
+        return origin + np.column_stack([x, y, np.zeros_like(t)])
+
+    def derivative(t: Array) -> Array:
+        x, y = radius * turn * np.cos(turn * t), radius * turn * np.cos(2 * turn * t)
+        return np.column_stack([x, y, np.zeros_like(t)])
+
+    return follow(spans(point, derivative, 4), "figure eight", how)
+
+
+def positive(**lengths: float) -> None:
+    """Refuse a value that is not above 0.
+
+    Raises:
+        InputError: The field is the name of the argument.
+    """
+    for name, value in lengths.items():
+        if not (value > 0.0 and math.isfinite(value)):
+            raise InputError(f"a number above 0 is expected; given {value:g}", field=name)
+
+
+def middle(center: ArrayLike, height: float) -> Array:
+    """Return the point above `center` (x, y) at `height` [m]."""
+    return np.append(finite(center, "center", (2,)), finite(height, "height", ()))
+
+
+def flat(piece: Piece) -> Piece:
+    """Return the piece with z of e1 as its normal."""
+    return replace(piece, normal=constant(_UP))
+
+
+def spans(point: Along, derivative: Along, count: int, normal: Along | None = None) -> list[Piece]:
+    """Return a curve over t in [0, 1] as `count` pieces, each short enough for its quadrature."""
+
+    def span(k: int) -> Piece:
+        return Piece(
+            lambda t: point((k + t) / count),
+            lambda t: derivative((k + t) / count) / count,
+            constant(_UP) if normal is None else lambda t: normal((k + t) / count),
+            even=False,
+        )
+
+    return [span(k) for k in range(count)]
+
+
+def _arc(radius: float, center: ArrayLike, height: float, start: float, angle: float) -> Piece:
+    positive(radius=radius)
+    x = radius * np.array([math.cos(start), math.sin(start), 0.0])
+    y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
+    return arc(middle(center, height), x, y, angle, normal=_UP)
+
+
+def _paper(side: float, r: float, height: float, points: Sequence[int]) -> Samples:
+    """Return x_i and t_i of section IV.B, with the arc length along the exact curve."""
+    if len(points) != 3 or points[0] < 2 or points[1] < 0 or points[2] < 2:
+        message = f"three numbers, at least [2, 0, 2], or one number; given {list(points)}"
+        raise InputError(message, field="points")
+    h1, h2, h3 = points
+    inner = side - r
+    up = inner * np.arange(h1) / (h1 - 1)
+    angle = 0.5 * math.pi * np.arange(1, h2 + 1) / (h2 + 1)
+    back = inner * (1.0 - np.arange(h3) / (h3 - 1))
+    x = np.concatenate([np.full(h1, side), inner + r * np.cos(angle), back])
+    y = np.concatenate([up, inner + r * np.sin(angle), np.full(h3, side)])
+    tx = np.concatenate([np.zeros(h1), -np.sin(angle), np.full(h3, -1.0)])
+    ty = np.concatenate([np.ones(h1), np.cos(angle), np.zeros(h3)])
+    s = np.concatenate([up, inner + r * angle, 2 * inner + 0.5 * math.pi * r - back])
+    h = h1 + h2 + h3
+    return Samples(
+        np.column_stack([x, y, np.full(h, height)]),
+        np.column_stack([tx, ty, np.zeros(h)]),
+        s,
+        np.broadcast_to(_UP, (h, 3)),
+    )
