@@ -1,0 +1,51 @@
+"""The command line: parse, call, print. Commands are imported when they are used."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from typing import NoReturn
+
+import cyclopts
+
+from dualarm_pin import __version__
+from dualarm_pin.errors import DualArmError
+
+DONE, NOT_FOUND, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+
+app = cyclopts.App(
+    name="dualarm-pin",
+    help="Plan the joint motion of two arms that share one task, best over the whole path.",
+    version=__version__,
+    exit_on_error=False,
+    print_error=False,
+    result_action="return_value",
+    suppress_keyboard_interrupt=False,
+)
+for _name in ("paper", "check", "solve", "view", "bench"):
+    app.command(f"dualarm_pin.cli.{_name}:{_name}", name=_name)
+
+
+def main(arguments: Sequence[str] | None = None) -> NoReturn:
+    """Run the command line and exit: 0 done and verified, 1 not found, 2 wrong input."""
+    try:
+        code = app(arguments)
+        sys.stdout.flush()
+    except cyclopts.CycloptsError as error:
+        _complain(f"{str(error).strip()}\nSee `dualarm-pin --help`.")
+        code = BAD_INPUT
+    except DualArmError as error:
+        _complain(str(error))
+        code = BAD_INPUT
+    except KeyboardInterrupt:
+        _complain("stopped")
+        code = INTERRUPTED
+    except BrokenPipeError:  # the reader, such as `head`, has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
+        code = DONE
+    sys.exit(code if isinstance(code, int) else DONE)
+
+
+def _complain(message: str) -> None:
+    print(f"dualarm-pin: {message}", file=sys.stderr)

@@ -1,0 +1,64 @@
+"""`dualarm-pin solve`."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Literal
+
+from cyclopts import Parameter
+
+from dualarm_pin.cli import DONE, NOT_FOUND
+from dualarm_pin.cli.terminal import TerminalProgress
+
+
+def solve(
+    task: Path,
+    *,
+    method: Literal["global", "two-stage", "local"] = "global",
+    effort: Literal["quick", "normal", "thorough"] = "normal",
+    solver: str | None = None,
+    starts: int | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    set_: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
+    out: Path | None = None,
+) -> int:
+    """Solve a task and write the result into a folder.
+
+    Args:
+        task: A task file (YAML).
+        method: The whole path at once, the paper's two stages, or step by step.
+        effort: How much evidence to gather; for the global method.
+        solver: Solver of the method; for `local` one of free, clamped, qp.
+        starts: Number of starts.
+        seed: Seed of the starts: the same seed gives the same answer.
+        jobs: Threads or processes to use; all processors by default.
+        set_: Change a field of the task or cell: key=value, such as smoothness=30.
+        out: Folder of the result; results/TASK-METHOD by default.
+    """
+    from dualarm_pin.planners.dispatch import plan
+    from dualarm_pin.results import save_result, summary
+    from dualarm_pin.task import Task
+
+    asked = Task.load(task, set_)
+    folder = out or Path("results") / f"{task.stem}-{method}"
+    with TerminalProgress() as progress:
+        for warning in asked.cell.warnings:
+            progress.line(f"warning: {warning}")
+        trajectory = plan(
+            asked,
+            method,
+            effort=effort,
+            solver=solver,
+            starts=starts,
+            seed=seed,
+            jobs=jobs,
+            progress=progress,
+        )
+    save_result(folder, asked, trajectory)
+    print(summary(asked, trajectory))
+    print(f"written to {folder}")
+    if not trajectory.found:
+        print(f"dualarm-pin: no solution was found: {trajectory.message}", file=sys.stderr)
+    return DONE if trajectory.found else NOT_FOUND

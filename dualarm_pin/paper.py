@@ -1,0 +1,199 @@
+"""The paper, reproduced: its two methods on its task, its table and its figures.
+
+Two-stage method, the polish of its answer over the whole path, and the pseudo-inverse from the
+same first configuration in three variants and from three random feasible ones.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from dualarm_pin.errors import DualArmError
+from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.files.write import write_text
+from dualarm_pin.multistart import Workers
+from dualarm_pin.multistart.starts import generator
+from dualarm_pin.planners import plan_local, plan_two_stage, polish
+from dualarm_pin.planners.reach import feasible_postures
+from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.results import save_result
+from dualarm_pin.task import Task
+from dualarm_pin.trajectory import Trajectory
+
+PAPER_MEANS = {"two-stage": 1.17, "pseudo-inverse": 1.52}
+RANDOM_STARTS = 3
+_COLUMNS = (
+    "method",
+    "mean c",
+    "arc mean",
+    "max c",
+    "objective",
+    "step [deg]",
+    "bounds [deg]",
+    "clearance [m]",
+    "time [s]",
+)
+
+
+@dataclass(frozen=True)
+class Reproduction:
+    """Everything that `paper` computes.
+
+    Attributes:
+        task: The paper's task.
+        trajectories: By label, in the order of the table.
+    """
+
+    task: Task
+    trajectories: dict[str, Trajectory]
+
+    def rows(self) -> list[tuple[str, ...]]:
+        """Return the table: one row a trajectory."""
+        return [_row(label, t) for label, t in self.trajectories.items()]
+
+    def table(self) -> str:
+        """Return the table as text."""
+        rows = [_COLUMNS, *self.rows()]
+        widths = [max(len(row[i]) for row in rows) for i in range(len(_COLUMNS))]
+        lines = [
+            row[0].ljust(widths[0])
+            + "".join(f"  {cell:>{w}}" for cell, w in zip(row[1:], widths[1:], strict=True))
+            for row in rows
+        ]
+        lines.insert(1, "-" * len(lines[0]))
+        return "\n".join(lines)
+
+
+def reproduce(
+    *,
+    starts: int = 100,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Progress = SILENT,
+) -> Reproduction:
+    """Run the methods of the paper on its task.
+
+    Args:
+        starts: Starts of each problem of the two-stage method.
+        seed: Seed of all starts.
+        jobs: Number of processes; None takes the processors there are.
+        progress: Told where the work stands.
+
+    Raises:
+        DualArmError: The two-stage method found nothing (too few starts).
+    """
+    task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+    trajectories: dict[str, Trajectory] = {}
+    with Workers(jobs) as workers:
+        two_stage = plan_two_stage(
+            task, starts=starts, seed=seed, progress=progress, workers=workers
+        )
+    if not two_stage.found:
+        raise DualArmError(f"the two-stage method found nothing: {two_stage.message}")
+    trajectories["two-stage"] = two_stage
+    progress.line(f"two-stage: mean c {two_stage.mean_index:.4f}")
+    trajectories["two-stage, polished"] = polish(task, two_stage.q, seed=seed)
+    progress.line(f"polished: mean c {trajectories['two-stage, polished'].mean_index:.4f}")
+    for variant in ("free", "clamped", "qp"):
+        trajectories[f"pseudo-inverse, {variant}"] = plan_local(
+            task, two_stage.q[0], variant=variant, seed=seed, progress=progress
+        )
+    others, _, _ = feasible_postures(
+        task.problem(), 0, RANDOM_STARTS, generator(seed, 5), 50 * RANDOM_STARTS
+    )
+    for number, q_first in enumerate(others, 1):
+        trajectories[f"pseudo-inverse, free, random {number}"] = plan_local(
+            task, q_first, variant="free", seed=seed, progress=progress
+        )
+    return Reproduction(task, trajectories)
+
+
+def write(reproduction: Reproduction, folder: Path) -> list[Path]:
+    """Write the table, Fig. 3, 4, 5 (PNG and SVG), the animation and the results.
+
+    Returns:
+        The files for people: table, figures, animation.
+    """
+    from dualarm_pin import plots
+    from dualarm_pin.viewer import Run, write_player
+
+    task, trajectories = reproduction.task, reproduction.trajectories
+    text = io.StringIO()
+    csv.writer(text, lineterminator="\n").writerows([_COLUMNS, *reproduction.rows()])
+    write_text(folder / "table.csv", text.getvalue())
+    write_text(folder / "table.txt", reproduction.table() + "\n")
+    for label, trajectory in trajectories.items():
+        save_result(
+            folder / "results" / label.replace(", ", "-").replace(" ", "-"), task, trajectory
+        )
+
+    def curve(label: str, shown: str) -> plots.Curve:
+        t = trajectories[label]
+        return plots.Curve(shown, t.index, t.arc_length)
+
+    written = [folder / "table.txt", folder / "table.csv"]
+    written += plots.save(plots.figure_path(task.path, task.Gamma), folder / "fig3")
+    written += plots.save(
+        plots.figure_index(
+            [
+                curve("two-stage", "two-stage"),
+                curve("two-stage, polished", "two-stage, polished"),
+                curve("pseudo-inverse, free", "pseudo-inverse"),
+            ],
+            title="Fig. 4: the same first configuration",
+        ),
+        folder / "fig4",
+    )
+    random = [label for label in trajectories if "random" in label]
+    written += plots.save(
+        plots.figure_index(
+            [
+                curve("pseudo-inverse, free", "from the two-stage method"),
+                *(curve(label, label.rsplit(", ", 1)[1]) for label in random),
+            ],
+            title="Fig. 5: pseudo-inverse from several first configurations",
+        ),
+        folder / "fig5",
+    )
+    runs = [Run(label, t.q, t.index) for label, t in trajectories.items()]
+    write_player(folder / "animation.html", task.cell, task.path, runs, title="The paper's task")
+    return [*written, folder / "animation.html"]
+
+
+def _row(label: str, t: Trajectory) -> tuple[str, ...]:
+    return (
+        label,
+        f"{t.mean_index:.4f}",
+        f"{t.arc_mean_index:.4f}",
+        f"{t.max_index:.4f}",
+        f"{t.objective:.4f}",
+        f"{math.degrees(t.max_joint_step):.2f}",
+        f"{math.degrees(t.max_bound_violation):.2f}",
+        "-" if t.min_clearance is None else f"{t.min_clearance:.3f}",
+        f"{t.timing.wall_s:.1f}",
+    )
+
+
+def notes(reproduction: Reproduction) -> list[str]:
+    """Return what a reader must know beside the table."""
+    free = reproduction.trajectories["pseudo-inverse, free"]
+    lines = [
+        f"the paper reports mean c {PAPER_MEANS['two-stage']} (two-stage) and "
+        f"{PAPER_MEANS['pseudo-inverse']} (pseudo-inverse); it does not state its tool, basin or "
+        "solver"
+    ]
+    if free.max_bound_violation > 0:
+        lines.append(
+            "pseudo-inverse, free, has no joint limits: it leaves the bounds by "
+            f"{np.degrees(free.max_bound_violation):.1f} deg"
+        )
+    lost = [label for label, t in reproduction.trajectories.items() if not t.found]
+    if lost:
+        lines.append("not a solution within bounds and on the path: " + "; ".join(lost))
+    return lines

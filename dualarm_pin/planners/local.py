@@ -1,0 +1,182 @@
+"""The typical approach, (12) and (13): follow the path and slide down the index in null space.
+
+Three variants, since the paper's has no joint limits: `free` (report how far it leaves the
+bounds), `clamped` (joints are cut at their bounds) and `qp` (the same step as a quadratic
+programme within the bounds: without active bounds its solution is exactly (12)).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+import quadprog
+from numpy.typing import NDArray
+
+from dualarm_pin.errors import UnknownNameError, nearest
+from dualarm_pin.multistart.starts import generator
+from dualarm_pin.planners.finish import Clock, finish
+from dualarm_pin.planners.reach import feasible_postures, unreachable
+from dualarm_pin.problem import Problem, index_gradient, pose_residual
+from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.relative import Relative
+from dualarm_pin.solvers import nlopt_slsqp
+from dualarm_pin.solvers.projection import project_point
+from dualarm_pin.tolerance import TOLERANCE
+from dualarm_pin.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+Array = NDArray[np.float64]
+Variant = Literal["free", "clamped", "qp"]
+VARIANTS: tuple[Variant, ...] = ("free", "clamped", "qp")
+
+
+@dataclass
+class _Report:
+    """Where the integration had to give way."""
+
+    damped: list[int]
+    infeasible: list[int]
+
+
+def plan_local(
+    task: Task,
+    q_first: Array | None = None,
+    *,
+    variant: Variant = "qp",
+    k0: float = 1.0,
+    duration: float = 1.0,
+    substeps: int = 10,
+    seed: int = 0,
+    starts: int = 20,
+    progress: Progress = SILENT,
+) -> Trajectory:
+    """Plan point after point with the pseudo-inverse, (12) and (13).
+
+    Args:
+        task: What is asked.
+        q_first: Joints at the first point (n,); None takes the best of `starts` for that point.
+        variant: `free`, `clamped` or `qp`.
+        k0: Gain of the null-space step, (13).
+        duration: Time in which the whole path is followed [s]; each interval takes an equal share.
+        substeps: Integration steps an interval.
+        seed: Seed of the starts for the first point.
+        starts: How many of them.
+        progress: Told where the work stands.
+
+    Raises:
+        UnknownNameError: There is no such variant.
+    """
+    clock = Clock.start()
+    if variant not in VARIANTS:
+        raise UnknownNameError(f"no such variant: {nearest(variant, VARIANTS)}", field=variant)
+    problem = task.problem()
+    if q_first is None:
+        q_first = best_first_posture(problem, starts, seed)
+        if q_first is None:
+            return unreachable(task, "local", f"pseudo-inverse-{variant}", seed, clock)
+    progress.stage(f"pseudo-inverse, {variant}", problem.k - 1)
+    report = _Report([], [])
+    walk = problem
+    if variant == "free":
+        endless = np.full(problem.n, np.inf)
+        walk = replace(problem, lower=-endless, upper=endless)
+    step = _qp_step if variant == "qp" else _pseudo_inverse_step
+    gain = k0 * duration / (problem.k - 1) / substeps
+    q = [project_point(walk, 0, q_first)[0]]
+    for i in range(1, problem.k):
+        q.append(_interval(problem, walk, i, q[-1], gain, substeps, step, report))
+        progress.advance()
+    return finish(
+        task,
+        np.array(q),
+        method="local",
+        solver=f"pseudo-inverse-{variant}",
+        timing=clock.read(),
+        seed=seed,
+        extra={
+            "k0": k0,
+            "damped_at": sorted(set(report.damped)),
+            "infeasible_at": sorted(set(report.infeasible)),
+        },
+    )
+
+
+def best_first_posture(problem: Problem, starts: int, seed: int) -> Array | None:
+    """Return the joints (n,) with the best index at the first point alone, or None."""
+    first = problem.subset([0], 0.0)
+    postures, _, _ = feasible_postures(problem, 0, starts, generator(seed, 3), 10 * starts)
+    ends = [nlopt_slsqp.solve(first, posture[None]) for posture in postures]
+    feasible = [end for end in ends if end.feasible]
+    return min(feasible, key=lambda end: end.objective).q[0] if feasible else None
+
+
+Step = Callable[[Problem, Array, Array, Array, Array], tuple[Array, bool]]
+
+
+def _interval(
+    problem: Problem,
+    walk: Problem,
+    i: int,
+    q: Array,
+    gain: float,
+    substeps: int,
+    step: Step,
+    report: _Report,
+) -> Array:
+    """Integrate from point i - 1 to point i and put the end on the path."""
+    for s in range(1, substeps + 1):
+        share = s / substeps
+        position = (1.0 - share) * problem.position[i - 1] + share * problem.position[i]
+        rotation = _between(problem.rotation[i - 1], problem.rotation[i], share)
+        relative = Relative(problem.cell, q)
+        # The residual against the next pose is feed-forward and drift correction in one.
+        residual, J = pose_residual(
+            relative, position, rotation, int(problem.rows[i]), problem.spin_axis
+        )
+        u = (1.0 - share) * problem.u[i - 1] + share * problem.u[i]
+        _, slope = index_gradient(problem.index, relative, u, q, problem.bounds)
+        dq, gave_way = step(walk, q, J, residual, -gain * slope)
+        if gave_way:
+            (report.infeasible if step is _qp_step else report.damped).append(i + 1)
+        q = np.clip(q + dq, walk.lower, walk.upper)
+    return project_point(walk, i, q)[0]
+
+
+def _pseudo_inverse_step(
+    walk: Problem, q: Array, J: Array, residual: Array, down: Array
+) -> tuple[Array, bool]:
+    """Return (12): J+ v + (I - J+ J) q0, damped below a smallest singular value of 1e-3."""
+    U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
+    damped = bool(sigma[-1] < TOLERANCE.singular)
+    inverse = sigma / (sigma**2 + TOLERANCE.singular**2) if damped else 1.0 / sigma
+    return Vt.T @ (inverse * (U.T @ -residual)) + down - Vt.T @ (Vt @ down), damped
+
+
+def _qp_step(walk: Problem, q: Array, J: Array, residual: Array, down: Array) -> tuple[Array, bool]:
+    """Return the step nearest to `down` that follows the path within the bounds."""
+    n = len(q)
+    constraints = np.vstack([J, np.eye(n), -np.eye(n)]).T
+    limits = np.concatenate([-residual, walk.lower - q, q - walk.upper])
+    try:
+        return quadprog.solve_qp(np.eye(n), down, constraints, limits, len(residual))[0], False
+    except ValueError:  # the path cannot be followed within the bounds: come as near as possible
+        normal = J.T @ J + 1e-6 * np.eye(n)
+        target = -J.T @ residual + 1e-6 * down
+        try:
+            return quadprog.solve_qp(
+                normal, target, constraints[:, len(residual) :], limits[len(residual) :], 0
+            )[0], True
+        except ValueError:
+            return np.zeros(n), True
+
+
+def _between(R1: Array, R2: Array, share: float) -> Array:
+    """Return the rotation `share` of the way from R1 to R2."""
+    import pinocchio as pin
+
+    return np.asarray(R1 @ pin.exp3(share * pin.log3(R1.T @ R2)))

@@ -1,0 +1,221 @@
+"""The paper's method: first the points Gamma, then the points between them, with NLopt.
+
+Stage 1 minimises (19) over Gamma from many starts. Its ranking is not the final one, so several
+distinct minima (basins) are carried on. Stage 2 minimises (20) over at most `inner` points of each
+gap between fixed neighbours, the linear interpolation being start 0, and recurs until every point
+of the path is in.
+"""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.multistart import Workers, common_postures, distinct_minima
+from dualarm_pin.multistart.starts import generator
+from dualarm_pin.planners.finish import Clock, finish
+from dualarm_pin.planners.reach import unreachable
+from dualarm_pin.problem import Problem
+from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.solvers import nlopt_slsqp
+from dualarm_pin.solvers.nlopt_slsqp import SlsqpOptions
+from dualarm_pin.solvers.solution import Solution
+from dualarm_pin.trajectory import Evidence, LawCount, Trajectory
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+Array = NDArray[np.float64]
+Known = dict[int, Array]  # joints (n,) by point of the path
+
+
+@dataclass(frozen=True)
+class _Gap:
+    """Points between two known ones, to be found next."""
+
+    before: int
+    after: int
+    inner: tuple[int, ...]
+
+
+def plan_two_stage(
+    task: Task,
+    *,
+    starts: int = 100,
+    seed: int = 0,
+    jobs: int | None = None,
+    basins: int = 6,
+    inner: int = 5,
+    options: SlsqpOptions | None = None,
+    progress: Progress = SILENT,
+    workers: Workers | None = None,
+) -> Trajectory:
+    """Plan with the two-stage method of the paper, (19) on Gamma and (20) between.
+
+    Args:
+        task: What is asked.
+        starts: Starts of stage 1, and of every gap of the two best basins in stage 2.
+        seed: Seed of the starts.
+        jobs: Number of processes; None takes the processors there are.
+        basins: How many distinct minima of stage 1 are carried on.
+        inner: Most points of a gap found at once (k in the paper); larger gaps are split again.
+        options: Stop criteria of NLopt.
+        progress: Told where the work stands.
+        workers: A pool to use instead of `jobs` new processes.
+
+    Returns:
+        The best trajectory; `found` is False where no start reached every point.
+    """
+    clock = Clock.start()
+    own = workers is None
+    pool = workers or Workers(jobs)
+    options = options or SlsqpOptions()
+    try:
+        problem = task.problem()
+        Gamma = task.Gamma
+        first = problem.subset(Gamma, task.link_weights(Gamma, task.stage_1_smoothness))
+        drawn = common_postures(
+            problem.lower, problem.upper, len(Gamma), starts, generator(seed, 1)
+        )
+        progress.stage(f"stage 1: {len(Gamma)} points, {starts} starts", starts)
+        ends = _solve_all(pool, [(first, start, options) for start in drawn], progress)
+        minima = distinct_minima(ends)
+        progress.line(
+            f"stage 1: {sum(s.feasible for s in ends)} of {starts} starts feasible, "
+            f"{len(minima)} distinct minima"
+            + (f", best {minima[0][0].objective:.4f}" if minima else "")
+        )
+        candidates = [dict(zip(Gamma, solution.q, strict=True)) for solution, _ in minima[:basins]]
+        if not candidates:
+            return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
+        few = max(1, starts // 10)
+        paths = _fill_all(task, candidates, few, inner, seed, options, pool, progress)
+        if paths and starts > few and not pool.interrupted:
+            # The leaders get the full number of starts, the rest had the likely ones.
+            leaders = [candidates[number] for number, _, _ in paths[:2]]
+            again = _fill_all(task, leaders, starts, inner, seed, options, pool, progress)
+            paths = sorted([*paths, *again], key=lambda path: path[1])
+        if not paths:
+            return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
+        law = LawCount(
+            starts, sum(s.feasible for s in ends), len(minima), minima[0][1] if minima else 0
+        )
+        return finish(
+            task,
+            paths[0][2],
+            method="two-stage",
+            solver=nlopt_slsqp.NAME,
+            timing=clock.read(),
+            seed=seed,
+            evidence=Evidence(laws={"stage 1": law}),
+            extra={
+                "Gamma": [point + 1 for point in Gamma],
+                "stage_1_objective": minima[0][0].objective,
+                "basins": len(candidates),
+                "interrupted": pool.interrupted,
+            },
+        )
+    finally:
+        if own:
+            pool.close()
+
+
+def _fill_all(
+    task: Task,
+    basins: Sequence[Known],
+    starts: int,
+    inner: int,
+    seed: int,
+    options: SlsqpOptions,
+    pool: Workers,
+    progress: Progress,
+) -> list[tuple[int, float, Array]]:
+    """Fill every gap of every basin; return (basin, objective (19), q (h, n)), best first."""
+    problem = task.problem()
+    filled: dict[int, Known] = {number: dict(basin) for number, basin in enumerate(basins)}
+    level = 0
+    while True:
+        gaps = [
+            (number, gap)
+            for number, known in filled.items()
+            for gap in _gaps(sorted(known), task.path.h, inner)
+        ]
+        if not gaps:
+            break
+        level += 1
+        progress.stage(
+            f"stage 2: {len(filled)} basins, {len(gaps)} gaps, {starts} starts each",
+            len(gaps) * starts,
+        )
+        calls, owner = [], []
+        for number, gap in gaps:
+            between = _gap_problem(task, problem, filled[number], gap)
+            for start in _gap_starts(between, gap, filled[number], starts, seed, level):
+                calls.append((between, start, options))
+                owner.append((number, gap))
+        ends = _solve_all(pool, calls, progress)
+        for number, gap in gaps:
+            mine = [
+                end
+                for end, who in zip(ends, owner, strict=True)
+                if who == (number, gap) and end.feasible
+            ]
+            if number not in filled:
+                continue
+            if not mine:
+                del filled[number]  # this basin cannot be continued
+                continue
+            best = min(mine, key=lambda end: end.objective)
+            filled[number] |= dict(zip(gap.inner, best.q, strict=True))
+    paths = []
+    for number, known in filled.items():
+        q = np.array([known[point] for point in range(task.path.h)])
+        paths.append((number, problem.objective(q), q))
+    return sorted(paths, key=lambda path: path[1])
+
+
+def _gaps(known: Sequence[int], h: int, inner: int) -> list[_Gap]:
+    """Return the gaps between known points, each with at most `inner` points spread over it."""
+    gaps = []
+    for before, after in itertools.pairwise(known):
+        missing = after - before - 1
+        if missing:
+            count = min(inner, missing)
+            spread = np.linspace(before, after, count + 2)[1:-1]
+            gaps.append(_Gap(before, after, tuple(int(round(point)) for point in spread)))
+    return gaps
+
+
+def _gap_problem(task: Task, problem: Problem, known: Known, gap: _Gap) -> Problem:
+    weights = task.link_weights((gap.before, *gap.inner, gap.after), task.smoothness)
+    return problem.subset(gap.inner, weights, before=known[gap.before], after=known[gap.after])
+
+
+def _gap_starts(
+    problem: Problem, gap: _Gap, known: Known, starts: int, seed: int, level: int
+) -> list[Array]:
+    share = (np.array(gap.inner) - gap.before) / (gap.after - gap.before)
+    a, b = known[gap.before], known[gap.after]
+    linear = a + share[:, None] * (b - a)
+    random = generator(seed, 2, level, gap.before)
+    drawn = common_postures(problem.lower, problem.upper, problem.k, starts - 1, random)
+    return [linear, *drawn]
+
+
+def _solve_all(
+    pool: Workers, calls: Sequence[tuple[Problem, Array, SlsqpOptions]], progress: Progress
+) -> list[Solution]:
+    """Solve each; a start that Ctrl-C cut off is solved no more and counts as infeasible."""
+    ends = pool.run(nlopt_slsqp.solve, calls, progress.advance)
+    return [
+        _cut_off(call[1]) if end is None else end for end, call in zip(ends, calls, strict=True)
+    ]
+
+
+def _cut_off(start: Array) -> Solution:
+    return Solution(start, np.inf, np.inf, feasible=False, converged=False, message="interrupted")

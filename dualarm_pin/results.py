@@ -1,0 +1,67 @@
+"""Result folders: a task as solved and the trajectory that answers it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from dualarm_pin.errors import MissingFileError
+from dualarm_pin.files.write import write_text
+from dualarm_pin.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+
+def save_result(folder: Path, task: Task, trajectory: Trajectory) -> None:
+    """Write `task.yaml` (complete, as solved), then the files of the trajectory.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    if task.record is not None:
+        write_text(folder / "task.yaml", task.as_yaml())
+    trajectory.save(folder)
+
+
+def load_result(folder: str | Path) -> tuple[Task, Trajectory]:
+    """Read a result folder.
+
+    Raises:
+        MissingFileError: It holds no result, or its task names files that are gone.
+        InputError: Its files do not fit together.
+    """
+    from dualarm_pin.task import Task
+
+    folder = Path(folder)
+    trajectory = Trajectory.load(folder)
+    if not (folder / "task.yaml").is_file():
+        raise MissingFileError("the task of this result is missing", file=folder / "task.yaml")
+    return Task.load(folder / "task.yaml"), trajectory
+
+
+def summary(task: Task, trajectory: Trajectory) -> str:
+    """Return a result as a few lines of text."""
+    t = trajectory
+    clearance = (
+        "unknown (meshes are missing)"
+        if t.min_clearance is None
+        else f"{t.min_clearance:.3f} m" + (" (IN COLLISION)" if t.min_clearance <= 0 else "")
+    )
+    units = task.index.units
+    lines = [
+        f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",
+        f"index        mean {t.mean_index:.4f}, over the arc length {t.arc_mean_index:.4f}, "
+        f"largest {t.max_index:.4f} {units}",
+        f"objective    {t.objective:.4f} with lambda {task.smoothness:g}",
+        f"pose error   {t.max_position_error:.1e} m, {t.max_rotation_error:.1e} rad",
+        f"bounds       violated by {t.max_bound_violation:.1e}, "
+        f"largest joint step {t.max_joint_step:.3f} (rad or m)",
+        f"clearance    {clearance}",
+        f"time         {t.timing.wall_s:.2f} s wall, {t.timing.cpu_s:.2f} s processor"
+        + (f", {t.timing.compile_s:.1f} s of it compiling" if t.timing.compile_s else ""),
+    ]
+    sentences = t.extra.get("evidence_text")
+    if sentences:
+        lines += [f"evidence     {sentences}"]
+    return "\n".join(lines)

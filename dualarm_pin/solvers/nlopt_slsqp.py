@@ -1,0 +1,161 @@
+"""NLopt's SLSQP with analytic gradients: the solver of the paper's two-stage method.
+
+NLopt has three habits to guard against: it raises on round-off although it holds a good point,
+it reuses the buffers it hands to callbacks, and its last point need not be its best. So the best
+feasible point is kept here, as a copy, and judged here.
+"""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass
+
+import nlopt
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.problem import Problem, index_gradient
+from dualarm_pin.relative import Relative
+from dualarm_pin.solvers.projection import project
+from dualarm_pin.solvers.solution import Solution
+from dualarm_pin.tolerance import TOLERANCE
+
+Array = NDArray[np.float64]
+
+NAME = "nlopt-slsqp"
+_REASONS = {
+    nlopt.SUCCESS: "converged",
+    nlopt.STOPVAL_REACHED: "converged",
+    nlopt.FTOL_REACHED: "the objective stopped changing",
+    nlopt.XTOL_REACHED: "the joints stopped changing",
+    nlopt.MAXEVAL_REACHED: "evaluation limit",
+    nlopt.MAXTIME_REACHED: "time limit",
+}
+
+
+@dataclass(frozen=True)
+class SlsqpOptions:
+    """Stop criteria of one start.
+
+    Attributes:
+        ftol_rel: Relative change of the objective.
+        xtol_rel: Relative change of the joints.
+        evaluations: Most evaluations.
+        seconds: Most seconds.
+    """
+
+    ftol_rel: float = 1e-8
+    xtol_rel: float = 1e-8
+    evaluations: int = 400
+    seconds: float = 20.0
+
+
+def solve(
+    problem: Problem, start: Array, options: SlsqpOptions | None = None, *, number: int = 0
+) -> Solution:
+    """Minimise `problem` from `start` (k, n).
+
+    The start is put onto the path first; the point returned is put onto it once more, so that
+    feasibility is a matter of 1e-10, not of the solver's tolerance.
+    """
+    options = options or SlsqpOptions()
+    begun = time.perf_counter()
+    first, residual = project(problem, start, 1e-6)
+    evaluation = _Evaluation(problem)
+    optimiser = nlopt.opt(nlopt.LD_SLSQP, first.size)
+    optimiser.set_min_objective(evaluation.objective)
+    rows = int(problem.rows.sum())
+    optimiser.add_equality_mconstraint(evaluation.constraints, np.full(rows, 1e-8))
+    optimiser.set_lower_bounds(np.tile(problem.lower, problem.k))
+    optimiser.set_upper_bounds(np.tile(problem.upper, problem.k))
+    optimiser.set_ftol_rel(options.ftol_rel)
+    optimiser.set_xtol_rel(options.xtol_rel)
+    optimiser.set_maxeval(options.evaluations)
+    optimiser.set_maxtime(options.seconds)
+    try:
+        optimiser.optimize(first.ravel())
+        code = optimiser.last_optimize_result()
+        reason, converged = _REASONS.get(code, f"NLopt code {code}"), code in (1, 2, 3, 4)
+    except nlopt.RoundoffLimited:
+        reason, converged = "limited by round-off", True
+    except (nlopt.ForcedStop, RuntimeError, ValueError) as error:
+        if evaluation.interrupted is not None:
+            raise evaluation.interrupted from None
+        reason, converged = f"NLopt failed: {error}", False
+    best = first if evaluation.best is None else evaluation.best
+    q, residual = project(problem, best, 1e-12, 20)
+    inside = bool(np.all((q >= problem.lower) & (q <= problem.upper)))
+    return Solution(
+        q=q,
+        objective=problem.objective(q),
+        residual=residual,
+        feasible=inside and residual <= TOLERANCE.position / 10.0,
+        converged=converged,
+        message=reason,
+        start=number,
+        wall_s=time.perf_counter() - begun,
+        iterations=evaluation.count,
+    )
+
+
+class _Evaluation:
+    """Values and gradients at one point at a time, shared by objective and constraints."""
+
+    def __init__(self, problem: Problem) -> None:
+        self.problem = problem
+        self.count = 0
+        self.best: Array | None = None
+        self.interrupted: BaseException | None = None
+        self._best_merit = np.inf
+        self._at: Array | None = None
+        k, n = problem.k, problem.n
+        self._gradient = np.zeros((k, n))
+        self._residual = np.zeros(int(problem.rows.sum()))
+        self._jacobian = np.zeros((len(self._residual), k * n))
+        self._value = 0.0
+
+    def objective(self, x: Array, gradient: Array) -> float:
+        self._evaluate(x)
+        if gradient.size:
+            gradient[:] = self._gradient.ravel()
+        return self._value
+
+    def constraints(self, result: Array, x: Array, gradient: Array) -> None:
+        self._evaluate(x)
+        result[:] = self._residual
+        if gradient.size:
+            gradient[:] = self._jacobian
+
+    def _evaluate(self, x: Array) -> None:
+        if self._at is not None and np.array_equal(self._at, x):
+            return
+        try:
+            self._refresh(x.copy())
+        except BaseException as error:  # NLopt swallows it, so it is kept for the caller
+            self.interrupted = error
+            raise
+
+    def _refresh(self, x: Array) -> None:
+        problem = self.problem
+        n = problem.n
+        q = x.reshape(problem.k, n)
+        value, gradient = problem.coupling(q)
+        row = 0
+        for i, q_i in enumerate(q):
+            relative = Relative(problem.cell, q_i)
+            c, dc = index_gradient(problem.index, relative, problem.u[i], q_i, problem.bounds)
+            weight = problem.index_weight[i]
+            value += weight * c
+            gradient[i] += weight * dc
+            residual, jacobian = problem.point_jacobian(i, relative)
+            rows = len(residual)
+            self._residual[row : row + rows] = residual
+            self._jacobian[row : row + rows, i * n : (i + 1) * n] = jacobian
+            row += rows
+        self._at, self._value, self._gradient = x, value, gradient
+        self.count += 1
+        violation = float(np.max(np.abs(self._residual)))
+        # Feasible to 1e-4 is near enough: the projection after the solve does the rest.
+        merit = value if violation < 1e-4 else np.inf
+        if merit < self._best_merit:
+            self._best_merit, self.best = merit, q.copy()

@@ -1,0 +1,65 @@
+"""Put joints onto the path: a damped Gauss-Newton step a time, inside the bounds."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.problem import Problem
+from dualarm_pin.relative import Relative
+
+Array = NDArray[np.float64]
+
+
+def project_point(
+    problem: Problem, i: int, q: Array, tolerance: float = 1e-10, iterations: int = 60
+) -> tuple[Array, float]:
+    """Move q towards the wanted pose of point i, keeping the bounds.
+
+    Levenberg-Marquardt on the pose rows; joints that push against a bound are held there.
+
+    Args:
+        problem: The problem.
+        i: Which of its points.
+        q: Joints (n,).
+        tolerance: Largest residual to stop at.
+        iterations: Most steps.
+
+    Returns:
+        The joints (n,), and the largest residual there.
+    """
+    q = np.clip(q, problem.lower, problem.upper)
+    residual, J = problem.point_jacobian(i, Relative(problem.cell, q))
+    damping = 1e-3
+    for _ in range(iterations):
+        if np.max(np.abs(residual)) <= tolerance:
+            break
+        trial, trial_residual, trial_J = _step(problem, i, q, residual, J, damping)
+        if trial_residual @ trial_residual < residual @ residual:
+            q, residual, J = trial, trial_residual, trial_J
+            damping = max(damping / 10.0, 1e-14)
+        elif damping > 1e8:
+            break
+        else:
+            damping = max(damping * 8.0, 1e-8)
+    return q, float(np.max(np.abs(residual)))
+
+
+def project(
+    problem: Problem, q: Array, tolerance: float = 1e-10, iterations: int = 60
+) -> tuple[Array, float]:
+    """Move every point of q (k, n) to its pose; return it with the largest residual left."""
+    projected = [project_point(problem, i, q_i, tolerance, iterations) for i, q_i in enumerate(q)]
+    return np.array([p[0] for p in projected]), max(p[1] for p in projected)
+
+
+def _step(
+    problem: Problem, i: int, q: Array, residual: Array, J: Array, damping: float
+) -> tuple[Array, Array, Array]:
+    downhill = -J.T @ residual
+    held = ((q <= problem.lower) & (downhill < 0)) | ((q >= problem.upper) & (downhill > 0))
+    free = np.where(held, 0.0, 1.0)
+    Jf = J * free
+    normal = Jf @ Jf.T + damping * np.eye(len(residual))
+    trial = np.clip(q - Jf.T @ np.linalg.solve(normal, residual), problem.lower, problem.upper)
+    return trial, *problem.point_jacobian(i, Relative(problem.cell, trial))
