@@ -1,0 +1,240 @@
+"""The noun `Cell`: two arms in one Pinocchio model, immutable."""
+
+from __future__ import annotations
+
+import threading
+import weakref
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
+
+from dualarm_pin.cell.document import Placed
+from dualarm_pin.cell.geometry import Bodies, build_bodies
+from dualarm_pin.cell.nouns import Arm, Clearance, Joint, SourceFile
+from dualarm_pin.cell.pairs import add_pairs
+from dualarm_pin.errors import ShapeError
+
+Pair = tuple[float, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Cell:
+    """Two arms that share one task, loaded and checked.
+
+    Every joint off the two chains stands still, so q holds only what a planner moves: the joints
+    of arm1 base to tip, those of arm2, then common joints that were set free. Bodies and collision
+    pairs are loaded on first use. The object is never changed, and can be pickled.
+
+    Attributes:
+        name: Name of the cell.
+        model: Both arms as one Pinocchio model, nq == nv (continuous joints are plain angles).
+        e1: Frame id of the tool of arm1.
+        e2: Frame id of the tool of arm2.
+        joints: The columns of q (n).
+        joint_map: (nv, n); Pinocchio's q is joint_map @ q + joint_offset.
+        joint_offset: (nv,) [rad or m]; not 0 only where a mimic joint has an offset.
+        arms: The two arms.
+        warnings: What is odd, though it works.
+        sources: The files it was read from, with their fingerprints.
+        tool_axes: Unit direction of each tool in its tool frame, for reports and pictures.
+    """
+
+    name: str
+    model: pin.Model
+    e1: int
+    e2: int
+    joints: tuple[Joint, ...]
+    joint_map: NDArray[np.float64]
+    joint_offset: NDArray[np.float64]
+    arms: tuple[Arm, Arm]
+    warnings: tuple[str, ...]
+    sources: tuple[SourceFile, ...]
+    tool_axes: tuple[NDArray[np.float64], NDArray[np.float64]]
+    _robots: tuple[Placed, ...] = field(repr=False)
+    _disabled: Mapping[int, frozenset[frozenset[str]]] = field(repr=False)
+    _package_dirs: tuple[Path, ...] = field(repr=False)
+
+    @staticmethod
+    def load(file: str | Path) -> Cell:
+        """Load a cell file.
+
+        Raises:
+            MissingFileError: The file, or one it names, does not exist.
+            InputError: Something in it is wrong; the message says where and what is allowed.
+            MissingExtraError: It needs a library that is not installed.
+        """
+        from dualarm_pin.cell.entry import load_cell  # entry makes cells
+
+        return load_cell(Path(file))
+
+    @staticmethod
+    def from_urdf(
+        urdf1: str | Path,
+        urdf2: str | Path | None = None,
+        *,
+        base1: pin.SE3 | None = None,
+        base2: pin.SE3 | None = None,
+        tips: tuple[str, str] = ("flange", "flange"),
+        tools: tuple[pin.SE3 | None, pin.SE3 | None] = (None, None),
+        limits: Mapping[str, Pair] | None = None,
+        lock: Mapping[str, float] | None = None,
+        free: Sequence[str] = (),
+        srdf: str | Path | tuple[str | Path | None, str | Path | None] | None = None,
+        package_dirs: Sequence[str | Path] = (),
+        name: str | None = None,
+    ) -> Cell:
+        """Build a cell from one URDF that holds both arms, or from two.
+
+        Args:
+            urdf1: URDF of the first arm, or of both.
+            urdf2: URDF of the second arm; the same file again is fine.
+            base1: Pose of the first root link, identity by default.
+            base2: Pose of the second root link; only with `urdf2`.
+            tips: Links that carry the tools.
+            tools: Poses of the tool frames in the tips.
+            limits: Bounds [rad or m] by joint, `joint` for both arms or `arm1/joint`.
+            lock: Values [rad or m] at which joints stand still.
+            free: Common joints that may move.
+            srdf: SRDF of `urdf1`, or one for each URDF.
+            package_dirs: Further folders to search for packages and meshes.
+            name: Name of the cell.
+
+        Raises:
+            MissingFileError: A file does not exist.
+            InputError: Something is wrong; the message says where and what is allowed.
+        """
+        from dualarm_pin.cell.entry import cell_from_urdf  # entry makes cells
+
+        return cell_from_urdf(
+            urdf1, urdf2, base1, base2, tips, tools, limits, lock, free, srdf, package_dirs, name
+        )
+
+    @property
+    def n(self) -> int:
+        """Number of columns of q."""
+        return len(self.joints)
+
+    @cached_property
+    def joint_names(self) -> tuple[str, ...]:
+        """Names in column order."""
+        return tuple(joint.name for joint in self.joints)
+
+    @cached_property
+    def lower(self) -> NDArray[np.float64]:
+        """Lower bounds (n,) [rad or m], read-only."""
+        return read_only([joint.lower for joint in self.joints])
+
+    @cached_property
+    def upper(self) -> NDArray[np.float64]:
+        """Upper bounds (n,) [rad or m], read-only."""
+        return read_only([joint.upper for joint in self.joints])
+
+    @cached_property
+    def same_order(self) -> bool:
+        """Whether Pinocchio's q is q itself: `joint_map` is the identity, without offset."""
+        nv, n = self.joint_map.shape
+        return nv == n and np.array_equal(self.joint_map, np.eye(n)) and not self.joint_offset.any()
+
+    def model_q(self, q: ArrayLike) -> NDArray[np.float64]:
+        """Return Pinocchio's q (nv,) for q (n,).
+
+        Raises:
+            ShapeError: q does not have n values.
+        """
+        q = np.asarray(q, dtype=float)
+        if q.shape != (self.n,):
+            raise ShapeError(f"q has shape {q.shape}; {self.name} has {self.n} joints: ({self.n},)")
+        return q if self.same_order else self.joint_map @ q + self.joint_offset
+
+    @property
+    def collision(self) -> pin.GeometryModel:
+        """Convex hulls and primitives, with the pairs to check."""
+        return self._bodies[0].model
+
+    @cached_property
+    def visual(self) -> pin.GeometryModel:
+        """Bodies for the eye."""
+        return self._visual_bodies.model
+
+    @property
+    def missing_meshes(self) -> tuple[str, ...]:
+        """Collision bodies that could not be loaded, and why; clearance is then unknown."""
+        return self._bodies[0].missing
+
+    @property
+    def missing_visuals(self) -> tuple[str, ...]:
+        """Bodies for the eye that could not be loaded, and why."""
+        return self._visual_bodies.missing
+
+    @property
+    def dropped_pairs(self) -> tuple[str, ...]:
+        """Pairs that are not checked because they touch in nearly every posture."""
+        return self._bodies[1]
+
+    def clearance(self, q: ArrayLike) -> Clearance | None:
+        """Return the smallest distance at q (n,), or None where bodies are missing.
+
+        Raises:
+            ShapeError: q does not have n values.
+        """
+        q = self.model_q(q)
+        bodies = self._bodies[0]
+        if bodies.missing or not len(bodies.model.collisionPairs):
+            return None
+        data, scene = self._scratch()
+        nearest = pin.computeDistances(self.model, data, bodies.model, scene, q)
+        pair = bodies.model.collisionPairs[nearest]
+        distance = float(scene.distanceResults[nearest].min_distance)
+        return Clearance(distance, bodies.links[pair.first], bodies.links[pair.second])
+
+    def data(self) -> pin.Data:
+        """Return scratch data of this thread; whatever it holds is overwritten by the next call."""
+        return _scratch_of(self)["data"]
+
+    def _scratch(self) -> tuple[pin.Data, pin.GeometryData]:
+        scratch = _scratch_of(self)
+        if "scene" not in scratch:
+            scratch["scene"] = self.collision.createData()
+        return scratch["data"], scratch["scene"]
+
+    @cached_property
+    def _bodies(self) -> tuple[Bodies, tuple[str, ...]]:
+        bodies = build_bodies(self.model, self._robots, "collision", self._package_dirs)
+        # The same postures on every machine: which pairs are dropped must not depend on luck.
+        draw = np.random.default_rng(0).uniform(self.lower, self.upper, (100, self.n))
+        q = draw @ self.joint_map.T + self.joint_offset
+        return bodies, add_pairs(self.model, bodies, self._robots, self._disabled, q)
+
+    @cached_property
+    def _visual_bodies(self) -> Bodies:
+        return build_bodies(self.model, self._robots, "visual", self._package_dirs)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Leave the bodies behind: a worker loads them when it needs them."""
+        return {item.name: getattr(self, item.name) for item in fields(self)}
+
+
+_THREAD = threading.local()
+
+
+def _scratch_of(cell: Cell) -> dict[str, Any]:
+    try:
+        scratch: dict[str, Any] = _THREAD.of[cell]
+    except (AttributeError, KeyError):
+        if not hasattr(_THREAD, "of"):
+            _THREAD.of = weakref.WeakKeyDictionary()
+        scratch = _THREAD.of[cell] = {"data": cell.model.createData()}
+    return scratch
+
+
+def read_only(values: ArrayLike) -> NDArray[np.float64]:
+    """Return a copy that cannot be written."""
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,79 @@
+"""The small nouns of a cell: joints, arms, clearance, files it was read from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Literal, NamedTuple
+
+import pinocchio as pin
+
+Owner = Literal["arm1", "arm2", "common"]
+ARMS: tuple[Literal["arm1"], Literal["arm2"]] = ("arm1", "arm2")
+
+
+@dataclass(frozen=True)
+class Joint:
+    """One column of q.
+
+    Attributes:
+        name: `arm1/<name>`, `arm2/<name>` or `common/<name>`, the name as in the URDF.
+        arm: Whose joint it is; `common` moves both arms (a torso).
+        kind: `revolute` [rad] or `prismatic` [m].
+        continuous: Turns without end; `lower` and `upper` are then where starts are drawn.
+        lower: Lower bound [rad or m].
+        upper: Upper bound [rad or m].
+        velocity: Largest speed [rad/s or m/s], or None where it is not known.
+    """
+
+    name: str
+    arm: Owner
+    kind: Literal["revolute", "prismatic"]
+    continuous: bool
+    lower: float
+    upper: float
+    velocity: float | None
+
+
+@dataclass(frozen=True)
+class Arm:
+    """One arm: a chain of joints from its base to its tool frame.
+
+    Attributes:
+        name: `arm1` or `arm2`.
+        file: The URDF, or None for a frame that stands still without a robot.
+        root: Root link of that URDF.
+        tip: Link that carries the tool.
+        base: Pose of the root link in the world of the cell.
+        tool: Pose of the tool frame in the tip link.
+        joints: Names of its own joints, base to tip.
+    """
+
+    name: str
+    file: Path | None
+    root: str
+    tip: str
+    base: pin.SE3
+    tool: pin.SE3
+    joints: tuple[str, ...]
+
+
+class Clearance(NamedTuple):
+    """Smallest distance between parts that must not touch.
+
+    Attributes:
+        distance: [m], negative in collision (then the depth of penetration).
+        first: Link of the one part, `arm1/<link>`.
+        second: Link of the other part.
+    """
+
+    distance: float
+    first: str
+    second: str
+
+
+class SourceFile(NamedTuple):
+    """A file the cell was read from, with its fingerprint."""
+
+    path: Path
+    sha256: str

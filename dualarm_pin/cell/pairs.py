@@ -1,0 +1,122 @@
+"""Which pairs of bodies are checked for collision, and why the others are not."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+import pinocchio as pin
+
+from dualarm_pin.cell.document import Placed
+from dualarm_pin.cell.geometry import Bodies
+
+_ALWAYS = 0.9  # share of random configurations above which a pair says nothing
+_SAMPLES = 100
+
+
+def add_pairs(
+    model: pin.Model,
+    bodies: Bodies,
+    robots: Sequence[Placed],
+    disabled: Mapping[int, frozenset[frozenset[str]]],
+    configurations: np.ndarray,
+) -> tuple[str, ...]:
+    """Add the collision pairs to the geometry of a cell.
+
+    Left out are pairs that no joint moves, links that one joint connects, pairs the SRDF disables,
+    and, for a robot without SRDF, pairs of its own links that collide nearly always.
+
+    Args:
+        model: Model of the cell.
+        bodies: Its collision bodies; their pairs are set here.
+        robots: The placed URDFs.
+        disabled: Number of a robot to the pairs of plain link names its SRDF disables.
+        configurations: Random q of the model (m, nv), to find pairs that always collide.
+
+    Returns:
+        Notes on what was left out because it nearly always collides.
+    """
+    geometry = bodies.model
+    body = _rigid_bodies(robots)
+    off = _disabled(robots, disabled)
+    for i, first in enumerate(bodies.links):
+        for j in range(i + 1, len(bodies.links)):
+            second = bodies.links[j]
+            same_joint = (
+                geometry.geometryObjects[i].parentJoint == geometry.geometryObjects[j].parentJoint
+            )
+            if not same_joint and frozenset((first, second)) not in off:
+                neighbours = frozenset((body[first][1], body[second][1]))
+                if body[first][0] != body[second][0] or neighbours not in body[first][2]:
+                    geometry.addCollisionPair(pin.CollisionPair(i, j))
+    return _drop_constant(model, bodies, body, set(disabled), configurations)
+
+
+Body = tuple[int, str, frozenset[frozenset[str]]]
+
+
+def _rigid_bodies(robots: Sequence[Placed]) -> dict[str, Body]:
+    """Return for each link its robot, its rigid body, and the neighbouring bodies of that robot."""
+    found: dict[str, Body] = {}
+    for number, placed in enumerate(robots):
+        robot, settled = placed.chains.robot, placed.settled
+        head: dict[str, str] = {}
+        for link in robot.links:
+            top = link
+            while top in robot.above:
+                joint = robot.above[top]
+                if joint.name in settled.columns or joint.name in settled.followers:
+                    break
+                top = joint.parent
+            head[link] = top
+        touching = frozenset(
+            frozenset((head[joint.parent], head[joint.child]))
+            for joint in robot.joints.values()
+            if head[joint.parent] != head[joint.child]
+        )
+        for link in robot.links:
+            found[placed.link(link)] = (number, head[link], touching)
+    return found
+
+
+def _disabled(
+    robots: Sequence[Placed],
+    disabled: Mapping[int, frozenset[frozenset[str]]],
+) -> set[frozenset[str]]:
+    return {
+        frozenset(placed.link(link) for link in pair)
+        for number, placed in enumerate(robots)
+        for pair in disabled.get(number, frozenset())
+    }
+
+
+def _drop_constant(
+    model: pin.Model,
+    bodies: Bodies,
+    body: Mapping[str, Body],
+    described: set[int],
+    configurations: np.ndarray,
+) -> tuple[str, ...]:
+    geometry = bodies.model
+    pairs = list(geometry.collisionPairs)
+    judged = [
+        k
+        for k, pair in enumerate(pairs)
+        if body[bodies.links[pair.first]][0] == body[bodies.links[pair.second]][0]
+        and body[bodies.links[pair.first]][0] not in described
+    ]
+    if not judged or not len(configurations):
+        return ()
+    data, hits = model.createData(), np.zeros(len(pairs))
+    scene = geometry.createData()
+    for q in configurations:
+        pin.computeCollisions(model, data, geometry, scene, q, False)
+        hits += [result.isCollision() for result in scene.collisionResults]
+    constant = [k for k in judged if hits[k] >= _ALWAYS * len(configurations)]
+    names: dict[str, None] = {}
+    for k in constant:
+        pair = pairs[k]
+        geometry.removeCollisionPair(pair)
+        first, second = sorted((bodies.links[pair.first], bodies.links[pair.second]))
+        names[f"{first} and {second} touch in nearly every posture: not checked"] = None
+    return tuple(names)

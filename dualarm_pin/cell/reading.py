@@ -1,0 +1,155 @@
+"""Read the robots of a cell: URDF, xacro and SRDF, with their fingerprints."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from dualarm_pin.cell.asked import Blame
+from dualarm_pin.cell.chains import Chains, find_tip, single_chain, twin_chains
+from dualarm_pin.cell.nouns import ARMS
+from dualarm_pin.cell.packages import find_file
+from dualarm_pin.cell.read_urdf import parse_urdf
+from dualarm_pin.cell.srdf import Srdf, read_srdf
+from dualarm_pin.cell.urdf import Robot
+from dualarm_pin.cell.xml import read_bytes
+from dualarm_pin.errors import InputError
+from dualarm_pin.files.cell_spec import CellSpec
+
+
+@dataclass
+class Loader:
+    """What is read on the way: files with fingerprints, warnings, and who is to blame."""
+
+    spec: CellSpec
+    folder: Path
+    blame: Blame
+    sources: dict[Path, str] = field(default_factory=dict)
+    warnings: list[str] = field(default_factory=list)
+
+    @property
+    def package_dirs(self) -> tuple[Path, ...]:
+        """Further folders to search, as the cell file gives them."""
+        return tuple(self.folder / Path(entry).expanduser() for entry in self.spec.package_dirs)
+
+    def find(self, name: str, keys: Sequence[str]) -> Path:
+        """Return the file that `name`, which stands at `keys`, means."""
+        try:
+            path = find_file(name, self.folder, self.package_dirs)
+        except InputError as error:
+            blamed = self.blame(error.message, keys)
+            raise type(error)(
+                blamed.message, file=blamed.file, line=blamed.line, field=blamed.field
+            ) from error
+        return path
+
+    def note(self, path: Path, raw: bytes) -> None:
+        """Keep the fingerprint of a file."""
+        self.sources[path] = hashlib.sha256(raw).hexdigest()
+
+    def robot(
+        self, name: str, arguments: Mapping[str, str | bool | float], keys: Sequence[str]
+    ) -> Robot:
+        """Read a URDF or xacro file."""
+        path = self.find(name, keys)
+        raw = read_bytes(path)
+        self.note(path, raw)
+        if path.suffix == ".xacro":
+            from dualarm_pin.cell.xacro import expand_xacro
+
+            raw = expand_xacro(path, arguments, self.package_dirs)
+        robot = parse_urdf(raw, path)
+        self.warnings += [w for w in robot.warnings if w not in self.warnings]
+        return robot
+
+    def srdf(self, name: str | None, robot: Robot, keys: Sequence[str]) -> Srdf | None:
+        """Read the SRDF of a robot, if one is named."""
+        if name is None:
+            return None
+        path = self.find(name, keys)
+        srdf = read_srdf(path, robot)
+        self.note(path, read_bytes(path))
+        self.warnings += [w for w in srdf.warnings if w not in self.warnings]
+        return srdf
+
+
+def read_robots(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
+    """Return the chains and the SRDF of each URDF: of `both` arms, or of `arm1` and `arm2`.
+
+    Raises:
+        MissingFileError: A file does not exist.
+        InputError: A file, a tip or a key is wrong.
+    """
+    return _read_each(loader) if loader.spec.urdf is None else _read_both(loader)
+
+
+def _read_both(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
+    """Read one URDF that holds both arms."""
+    spec, blame = loader.spec, loader.blame
+    for arm in ARMS:
+        for key in ("urdf", "srdf", "base", "xacro"):
+            if key in getattr(spec.arms, arm).model_fields_set:
+                raise blame(
+                    f"the URDF at the top of the file holds both arms already: remove `{key}` "
+                    "here, or give each arm its own `urdf`",
+                    ("arms", arm, key),
+                )
+    robot = loader.robot(spec.urdf or "", spec.xacro, ("urdf",))
+    srdf = loader.srdf(spec.srdf, robot, ("srdf",))
+    tips = tuple(_tip(loader, robot, srdf, arm) for arm in ARMS)
+    return {"both": twin_chains(robot, (tips[0], tips[1]))}, {} if srdf is None else {"both": srdf}
+
+
+def _read_each(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
+    """Read a URDF for each arm; an arm without one is a frame that stands still."""
+    spec, blame = loader.spec, loader.blame
+    for key in ("srdf", "xacro"):
+        if key in spec.model_fields_set and getattr(spec, key):
+            raise blame(f"`{key}` belongs to a `urdf` beside it; or give it to each arm", (key,))
+    chains: dict[str, Chains] = {}
+    srdfs: dict[str, Srdf] = {}
+    for arm in ARMS:
+        own = getattr(spec.arms, arm)
+        if own.urdf is None:
+            for key in ("tip", "group", "srdf", "xacro"):
+                if key in own.model_fields_set:
+                    raise blame(
+                        f"`{key}` needs a robot: give `urdf` for this arm, or one `urdf` at the "
+                        "top for both (an arm without a robot has `base` and `tool` only)",
+                        ("arms", arm, key),
+                    )
+            continue
+        robot = loader.robot(own.urdf, own.xacro, ("arms", arm, "urdf"))
+        srdf = loader.srdf(own.srdf, robot, ("arms", arm, "srdf"))
+        if srdf is not None:
+            srdfs[arm] = srdf
+        chains[arm] = single_chain(robot, arm, _tip(loader, robot, srdf, arm))
+    if not chains:
+        message = "no robot: give `urdf` for each arm, or one `urdf` at the top for both"
+        raise blame(message, ("arms",))
+    return chains, srdfs
+
+
+def _tip(loader: Loader, robot: Robot, srdf: Srdf | None, arm: str) -> str:
+    own = getattr(loader.spec.arms, arm)
+    keys = ("arms", arm, "group" if own.group is not None else "tip")
+    if own.tip is not None and own.group is not None:
+        raise loader.blame("`tip` and `group` say the same thing: give one of them", keys)
+    try:
+        if own.group is not None:
+            if srdf is None:
+                raise loader.blame("`group` needs an `srdf`", keys)
+            return srdf.tip(own.group)
+        if own.tip is None:
+            ends = ", ".join(robot.leaves()[:8])
+            raise loader.blame(f"give the link that carries the tool; at the ends: {ends}", keys)
+        return find_tip(robot, own.tip)
+    except InputError as error:
+        if error.field is not None:
+            raise
+        blamed = loader.blame(error.message, keys)
+        raise type(error)(
+            blamed.message, file=blamed.file, line=blamed.line, field=blamed.field
+        ) from error

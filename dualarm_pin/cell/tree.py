@@ -1,0 +1,73 @@
+"""Whether links and joints of a URDF form one tree."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from dualarm_pin.cell.urdf import Link, UrdfJoint
+from dualarm_pin.errors import InputError
+
+
+def check_tree(links: Mapping[str, Link], joints: Mapping[str, UrdfJoint], file: Path) -> str:
+    """Return the root link.
+
+    Raises:
+        InputError: A loop, two roots, a link below itself, or mimic joints in a circle.
+    """
+    above: dict[str, UrdfJoint] = {}
+    for joint in joints.values():
+        if joint.child in above:
+            other = above[joint.child]
+            raise _at(
+                file,
+                joint,
+                f"its child link {joint.child!r} is already the child of joint {other.name!r} "
+                f"(line {other.line}): a loop; a URDF is a tree",
+            )
+        above[joint.child] = joint
+    sound: set[str] = set()  # links known to hang from a root
+    for joint in joints.values():
+        _climb(file, joint, above, sound)
+    roots = [name for name in links if name not in above]
+    if len(roots) > 1:
+        first, second = links[roots[0]], links[roots[1]]
+        raise InputError(
+            f"{len(roots)} root links: {', '.join(map(repr, roots[:5]))}"
+            f"{', ...' if len(roots) > 5 else ''}; a URDF is one tree: join {second.name!r} to "
+            f"{first.name!r} with a joint",
+            file=file,
+            line=second.line,
+            field=f"link {second.name!r}",
+        )
+    _check_mimics(joints, file)
+    return roots[0]
+
+
+def _climb(file: Path, start: UrdfJoint, above: Mapping[str, UrdfJoint], sound: set[str]) -> None:
+    passed = [start.child]
+    link = start.parent
+    while link not in sound and link in above:
+        if link in passed[:1]:
+            path = "its own child" if start.parent == start.child else "below its own child"
+            raise _at(file, start, f"its parent link {start.parent!r} is {path}: a loop")
+        if len(passed) > len(above):  # runs into a loop that another joint will report
+            return
+        passed.append(link)
+        link = above[link].parent
+    sound.update(passed)
+
+
+def _check_mimics(joints: Mapping[str, UrdfJoint], file: Path) -> None:
+    for joint in joints.values():
+        seen = {joint.name}
+        mimic = joint.mimic
+        while mimic is not None:
+            if mimic.joint in seen:
+                raise _at(file, joint, f"mimics itself through {mimic.joint!r}")
+            seen.add(mimic.joint)
+            mimic = joints[mimic.joint].mimic if mimic.joint in joints else None
+
+
+def _at(file: Path, joint: UrdfJoint, message: str) -> InputError:
+    return InputError(message, file=file, line=joint.line, field=f"joint {joint.name!r}")

@@ -1,0 +1,52 @@
+"""Expand xacro through xacrodoc, an extra; ROS itself is never needed."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+from dualarm_pin.errors import InputError, MissingExtraError
+
+
+def expand_xacro(
+    file: Path, arguments: Mapping[str, str | bool | float], package_dirs: Sequence[Path]
+) -> bytes:
+    """Return the URDF text that a xacro file expands to.
+
+    Args:
+        file: The xacro file.
+        arguments: Values of its `<xacro:arg>`.
+        package_dirs: Folders that hold the packages it finds with `$(find ...)`.
+
+    Raises:
+        MissingExtraError: xacrodoc is not installed.
+        InputError: The file cannot be expanded.
+    """
+    try:
+        import xacrodoc
+    except ImportError as error:
+        raise MissingExtraError(
+            f"{file}: xacro files need xacrodoc: pip install 'dualarm-pin[xacro]', or expand the "
+            "file with `xacro in.xacro -o out.urdf`"
+        ) from error
+    given = {key: _text(value) for key, value in arguments.items()}
+    parents = [folder for folder in file.resolve().parents if len(folder.parts) > 2]
+    packages = {
+        folder.name: str(folder)
+        for folder in [*parents[::-1], *(d for p in package_dirs if p.is_dir() for d in _inside(p))]
+    }
+    try:
+        xacrodoc.packages.update_package_cache(packages)
+        doc = xacrodoc.XacroDoc.from_file(str(file), subargs=given, resolve_packages=False)
+        return str(doc.to_urdf_string(use_protocols=True)).encode()
+    except Exception as error:  # xacro raises its own kinds, and whatever an expression raises
+        reason = str(error).strip().splitlines() or [type(error).__name__]
+        raise InputError(f"xacro cannot expand this file: {reason[0]}", file=file) from error
+
+
+def _inside(folder: Path) -> list[Path]:
+    return [folder, *(child for child in sorted(folder.iterdir()) if child.is_dir())]
+
+
+def _text(value: str | bool | float) -> str:
+    return str(value).lower() if isinstance(value, bool) else str(value)

@@ -1,0 +1,125 @@
+"""What a cell file may hold: two arms, where they stand, their tools and their bounds."""
+
+from __future__ import annotations
+
+from typing import Annotated, Self
+
+from pydantic import AfterValidator, Field, model_validator
+
+from dualarm_pin.files.source import Spec
+
+Vector = tuple[float, float, float]
+
+
+def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
+    if not pair[0] < pair[1]:
+        raise ValueError(f"lower bound {pair[0]:g} is not below upper bound {pair[1]:g}")
+    return pair
+
+
+def _unit(vector: Vector) -> Vector:
+    if sum(x * x for x in vector) < 1e-12:
+        raise ValueError("a direction must not be zero")
+    return vector
+
+
+Bounds = Annotated[tuple[float, float], AfterValidator(_ascending)]
+Direction = Annotated[Vector, AfterValidator(_unit)]
+Positive = Annotated[float, Field(gt=0)]
+
+
+class PlacementSpec(Spec):
+    """A pose: `xyz` [m] and at most one of `rpy` [rad], `rpy_deg`, `rotation` (three rows)."""
+
+    xyz: Vector = (0.0, 0.0, 0.0)
+    rpy: Vector | None = None
+    rpy_deg: Vector | None = None
+    rotation: tuple[Vector, Vector, Vector] | None = None
+
+    @model_validator(mode="after")
+    def _one_rotation(self) -> Self:
+        given = [k for k in ("rpy", "rpy_deg", "rotation") if getattr(self, k) is not None]
+        if len(given) > 1:
+            raise ValueError(f"{' and '.join(given)} say the same thing: give one of them")
+        if self.rotation is not None:
+            _check_rotation(self.rotation)
+        return self
+
+
+def _check_rotation(R: tuple[Vector, Vector, Vector]) -> None:
+    for i in range(3):
+        for j in range(3):
+            dot = sum(R[i][k] * R[j][k] for k in range(3))
+            if abs(dot - (i == j)) > 1e-6:
+                raise ValueError("rotation is not a rotation matrix: its rows are not orthonormal")
+    a, b, c = R
+    det = sum(a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2]) for i in range(3))
+    if det < 0:
+        raise ValueError("rotation is a reflection (determinant -1), not a rotation matrix")
+
+
+class JointSettings(Spec):
+    """What may be said about joints, by name: bounds, speed, and values at which to lock.
+
+    Degrees are for revolute joints only; without `_deg` the unit is rad or m.
+    """
+
+    limits: dict[str, Bounds] = Field(default_factory=dict)
+    limits_deg: dict[str, Bounds] = Field(default_factory=dict)
+    velocity: dict[str, Positive] = Field(default_factory=dict)
+    velocity_deg: dict[str, Positive] = Field(default_factory=dict)
+    lock: dict[str, float] = Field(default_factory=dict)
+    lock_deg: dict[str, float] = Field(default_factory=dict)
+
+
+class ArmSpec(JointSettings):
+    """One arm. Without a URDF here or above it is a frame that stands still at `base`.
+
+    Attributes:
+        urdf: URDF or xacro file of this arm alone.
+        srdf: SRDF of that file: pairs that need no collision check, groups.
+        xacro: Arguments of the xacro file.
+        tip: Link that carries the tool.
+        group: A group of the SRDF instead of a tip: the tip is the end of its chain.
+        base: Pose of the root link in the cell.
+        tool: Pose of the tool frame (TCP) in the tip link.
+        tool_axis: Direction of the tool in the tool frame, for reports and pictures.
+    """
+
+    urdf: str | None = None
+    srdf: str | None = None
+    xacro: dict[str, str | bool | float] = Field(default_factory=dict)
+    tip: str | None = None
+    group: str | None = None
+    base: PlacementSpec | None = None
+    tool: PlacementSpec = PlacementSpec()
+    tool_axis: Direction = (0.0, 0.0, 1.0)
+
+
+class ArmsSpec(Spec):
+    """The two arms; the path is followed by arm2 as seen from arm1."""
+
+    arm1: ArmSpec
+    arm2: ArmSpec
+
+
+class CellSpec(JointSettings):
+    """A whole cell file.
+
+    Attributes:
+        name: Name of the cell; that of the file if not given.
+        urdf: One URDF or xacro file that holds both arms.
+        srdf: Its SRDF.
+        xacro: Arguments of the xacro file.
+        arms: The two arms.
+        free: Common joints (a torso) that the planner may move; all others are locked.
+        package_dirs: Further folders to search for packages and meshes.
+    """
+
+    name: str | None = None
+    urdf: str | None = None
+    srdf: str | None = None
+    xacro: dict[str, str | bool | float] = Field(default_factory=dict)
+    arms: ArmsSpec
+    free: list[str] = Field(default_factory=list)
+    package_dirs: list[str] = Field(default_factory=list)
