@@ -84,7 +84,7 @@ class Path:
         _refuse_repeated(x, R)
         t = through(x) if tangent is None else finite(tangent, "tangent", (h, 3))
         t = t / lengths(t, "tangent")[:, None]
-        s = _chords(x) if arc_length is None else finite(arc_length, "arc_length", (h,))
+        s = chords(x) if arc_length is None else finite(arc_length, "arc_length", (h,))
         if s[0] != 0.0 or np.any(np.diff(s) < 0.0):
             raise InputError("arc lengths must rise from 0", field="arc_length")
         values = {
@@ -174,7 +174,7 @@ def through(position: Array) -> Array:
     Raises:
         InputError: All points coincide.
     """
-    s, which = np.unique(_chords(position), return_inverse=True)
+    s, which = np.unique(chords(position), return_inverse=True)
     if len(s) < 2:
         raise InputError(
             "all points coincide: the path has no length and no tangent", field="position"
@@ -188,18 +188,27 @@ def through(position: Array) -> Array:
     return np.where(still[:, None], ahead, tangent)[which]
 
 
-def _chords(position: Array) -> Array:
+def chords(position: Array) -> Array:
+    """Return the sum of the chords up to each point, shape (h,) [m]."""
     steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
     steps[steps <= TOLERANCE.coincident] = 0.0
     return np.concatenate([[0.0], np.cumsum(steps)])
 
 
+def coincident(position: Array, rotation: Array) -> Counts:
+    """Return each i, from 0, where point i + 1 has the same pose as point i.
+
+    Points in one place with different rotations are no mistake: the tool turns where it stands.
+    """
+    near = np.linalg.norm(np.diff(position, axis=0), axis=1) <= TOLERANCE.coincident
+    same = np.abs(np.diff(rotation, axis=0)).max(axis=(1, 2)) <= TOLERANCE.coincident
+    return np.flatnonzero(near & same)
+
+
 def _refuse_repeated(x: Array, R: Array) -> None:
-    near = np.linalg.norm(np.diff(x, axis=0), axis=1) <= TOLERANCE.coincident
-    same = near & (np.abs(np.diff(R, axis=0)).max(axis=(1, 2)) <= 1e-9)
-    twice = np.flatnonzero(same)
+    twice = coincident(x, R)
     if len(twice):
-        i = int(twice[0]) + 1
+        i = twice[0] + 1
         more = f" (and {len(twice) - 1} more pairs)" if len(twice) > 1 else ""
         message = f"points {i} and {i + 1} coincide{more}: remove one of them"
         raise InputError(message, field="position")

@@ -12,6 +12,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
+from dualarm_pin.path import chords, through
 
 Along = Callable[[Array], Array]
 """A function of the parameter t in [0, 1], shape (k,), with values of shape (k, 3)."""
@@ -155,7 +156,7 @@ def sample(
     if (points is None) == (step is None):
         given = "neither is" if points is None else "both are"
         raise InputError(f"give one of `points` and `step`: {given} given", field="points")
-    starts = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
+    starts = _starts(pieces)
     arrives, leaves = _end_tangents(pieces)
     turn = np.arccos(np.clip(np.sum(arrives[:-1] * leaves[1:], axis=1), -1.0, 1.0))
     corners = np.concatenate([[0.0], starts[1:-1][turn > SHARP], [starts[-1]]])
@@ -167,7 +168,41 @@ def sample(
             for a, b, n in zip(corners, corners[1:], counts, strict=False)
         ]
     )
-    return _at(pieces, starts, s)
+    return at_arc_length(pieces, s)
+
+
+def at_arc_length(pieces: Sequence[Piece], s: Array) -> Samples:
+    """Return the points of a curve at the arc lengths `s` from its start, shape (h,)."""
+    starts = _starts(pieces)
+    close = 1e-9 * starts[-1]
+    which = np.clip(np.searchsorted(starts, s + close, side="right") - 1, 0, len(pieces) - 1)
+    position, tangent, normal = np.zeros((3, len(s), 3))
+    for k in np.unique(which):
+        here = which == k
+        t = pieces[k].parameter(s[here] - starts[k])
+        position[here] = pieces[k].point(t)
+        tangent[here] = pieces[k].derivative(t)
+        if (along := pieces[k].normal) is not None:
+            normal[here] = along(t)
+    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
+    joints = np.flatnonzero((np.abs(s - starts[which]) <= close) & (which > 0))
+    arrives, _ = _end_tangents(pieces)
+    mean = arrives[which[joints] - 1] + tangent[joints]
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    ahead = tangent[joints]
+    tangent[joints] = np.where(length > 1e-6, mean / np.maximum(length, 1e-6), ahead)
+    surface = all(piece.normal is not None for piece in pieces)
+    return Samples(position, tangent, s, normal if surface else None)
+
+
+def as_given(position: Array) -> Samples:
+    """Return the points themselves, with tangents by differences and the chords as arc length."""
+    return Samples(position, through(position), chords(position), None)
+
+
+def _starts(pieces: Sequence[Piece]) -> Array:
+    """Return the arc length at the start of each piece and at the end."""
+    return np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
 
 
 def _share(stretches: Array, points: int | None, step: float | None) -> list[int]:
@@ -195,25 +230,3 @@ def _end_tangents(pieces: Sequence[Piece]) -> tuple[Array, Array]:
     ends = np.array([piece.derivative(np.array([1.0, 0.0])) for piece in pieces])
     ends = ends / np.linalg.norm(ends, axis=2, keepdims=True)
     return ends[:, 0], ends[:, 1]
-
-
-def _at(pieces: Sequence[Piece], starts: Array, s: Array) -> Samples:
-    close = 1e-9 * starts[-1]
-    which = np.clip(np.searchsorted(starts, s + close, side="right") - 1, 0, len(pieces) - 1)
-    position, tangent, normal = np.zeros((3, len(s), 3))
-    for k in np.unique(which):
-        here = which == k
-        t = pieces[k].parameter(s[here] - starts[k])
-        position[here] = pieces[k].point(t)
-        tangent[here] = pieces[k].derivative(t)
-        if (along := pieces[k].normal) is not None:
-            normal[here] = along(t)
-    tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
-    joints = np.flatnonzero((np.abs(s - starts[which]) <= close) & (which > 0))
-    arrives, _ = _end_tangents(pieces)
-    mean = arrives[which[joints] - 1] + tangent[joints]
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    ahead = tangent[joints]
-    tangent[joints] = np.where(length > 1e-6, mean / np.maximum(length, 1e-6), ahead)
-    surface = all(piece.normal is not None for piece in pieces)
-    return Samples(position, tangent, s, normal if surface else None)

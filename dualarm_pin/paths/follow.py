@@ -70,16 +70,33 @@ def follow(pieces: Sequence[Piece], default_name: str, how: Follow) -> Path:
     return hold(samples, default_name, how)
 
 
-def hold(samples: Samples, default_name: str, how: Hold) -> Path:
+def hold(
+    samples: Samples,
+    default_name: str,
+    how: Hold,
+    *,
+    rotation: Array | None = None,
+    u: Array | None = None,
+) -> Path:
     """Return the path through points on a curve.
+
+    Args:
+        samples: The points.
+        default_name: Name where `how` gives none.
+        how: How the tool is held.
+        rotation: The rotations where they are known already, shape (h, 3, 3).
+        u: The directions where they are not the tangents, shape (h, 6).
 
     Raises:
         InputError: Something in `how` is wrong; the field says what.
     """
-    R = rotations(how.get("rotation", FACING), (1, 3, 3))[0]
+    if rotation is None:
+        R = rotations(how.get("rotation", FACING), (1, 3, 3))[0]
+        rotation = _orient(samples, R, how.get("orientation", "constant"))
     path = Path(
         samples.position,
-        _orient(samples, R, how.get("orientation", "constant")),
+        rotation,
+        u=u,
         rows=rows(how.get("free", "none"), len(samples.position)),
         spin_axis=how.get("spin_axis", (0.0, 0.0, 1.0)),
         tangent=samples.tangent,

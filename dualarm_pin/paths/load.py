@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -11,10 +11,13 @@ import numpy as np
 import pinocchio as pin
 
 from dualarm_pin.errors import InputError
-from dualarm_pin.files.path_spec import FrameSpec, PathSpec
-from dualarm_pin.files.source import Key, Source, Spec
+from dualarm_pin.files.path_spec import AptSpec, CsvSpec, FrameSpec, GcodeSpec, PathSpec
+from dualarm_pin.files.source import Spec
 from dualarm_pin.path import Path
-from dualarm_pin.paths import planar, polyline, spatial, surface
+from dualarm_pin.paths import planar, polyline, spatial, surface, waves
+from dualarm_pin.paths.apt import read_apt
+from dualarm_pin.paths.csv_file import read_csv
+from dualarm_pin.paths.gcode import read_gcode
 
 _GENERATORS: dict[str, Callable[..., Path]] = {
     "corner": planar.corner,
@@ -23,41 +26,53 @@ _GENERATORS: dict[str, Callable[..., Path]] = {
     "arc": planar.arc_path,
     "helix": spatial.helix,
     "raster": planar.raster,
-    "sine": planar.sine,
-    "figure_eight": planar.figure_eight,
+    "sine": waves.sine,
+    "figure_eight": waves.figure_eight,
     "dome_spiral": surface.dome_spiral,
     "tube_seam": surface.tube_seam,
     "spline": spatial.spline,
 }
 
+_FILES: dict[str, tuple[Callable[..., Path], type[CsvSpec | GcodeSpec | AptSpec]]] = {
+    "csv": (read_csv, CsvSpec),
+    "gcode": (read_gcode, GcodeSpec),
+    "apt": (read_apt, AptSpec),
+}
 _DEGREES = {angle: f"{angle}_deg" for angle in ("start", "stop", "inner", "outer", "tilt")}
 
 
-def load_path(
-    spec: PathSpec, folder: FilePath, source: Source | None = None, keys: Sequence[Key] = ("path",)
-) -> Path:
+def load_path(spec: PathSpec, folder: FilePath) -> Path:
     """Return the path that a task file asks for.
 
     Args:
         spec: The checked section.
         folder: Where relative file names start: the folder of the task file.
-        source: The task file, so that messages name its lines.
-        keys: Where in that file the section stands.
 
     Raises:
-        InputError: The geometry or a file is wrong; names file, line and field.
+        InputError: The geometry or a file is wrong. The message names the field of the task file,
+            such as path.corner.fillet, or the file of points and its line.
     """
     name = spec.generator
+    section = getattr(spec, name)
+    if isinstance(section, str):
+        section = _FILES[name][1](file=section)
     try:
-        return _make(name, getattr(spec, name), _hold(spec), folder)
+        if name in _FILES:
+            arguments = _arguments(section)
+            file = folder / arguments.pop("file")
+            return _FILES[name][0](file, **arguments, **_hold(spec))
+        return _GENERATORS[name](**_arguments(section), **_hold(spec))
     except InputError as error:
         if error.file is not None:
             raise
-        raise _placed(error, source, keys, name) from error
+        raise type(error)(error.message, field=_place(error.field, name)) from error
 
 
-def _make(name: str, section: Any, how: dict[str, Any], folder: FilePath) -> Path:
-    return _GENERATORS[name](**_arguments(section), **how)
+def _place(field: str | None, generator: str) -> str:
+    """Return where a field stands in the task file."""
+    if field in ("rotation", "orientation", "free", "spin_axis", "frame"):
+        return f"path.{field}"
+    return f"path.{generator}" + (f".{_DEGREES.get(field, field)}" if field else "")
 
 
 def _hold(spec: PathSpec) -> dict[str, Any]:
@@ -87,19 +102,3 @@ def _arguments(section: Spec) -> dict[str, Any]:
         else:
             given[key] = value
     return given
-
-
-def _placed(
-    error: InputError, source: Source | None, keys: Sequence[Key], generator: str
-) -> InputError:
-    """Return the error with the place in the task file at which its field stands."""
-    field = error.field or ""
-    where: list[Key] = [*keys, generator]
-    if field in ("rotation", "orientation", "free", "spin_axis", "frame"):
-        where = [*keys, field]
-    elif field:
-        where.append(_DEGREES.get(field, field))
-    if source is None:
-        return type(error)(error.message, field=".".join(str(key) for key in where))
-    placed = source.error(error.message, where)
-    return type(error)(placed.message, file=placed.file, line=placed.line, field=placed.field)

@@ -1,4 +1,4 @@
-"""Curves in a plane of constant height: corner, circle, arc, raster, sine, figure eight.
+"""Lines and arcs in a plane of constant height: corner, circle, arc, raster.
 
 Their normal is the z axis of e1, so a tool with the default rotation stands on the plane.
 """
@@ -7,20 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Along, Piece, Samples, arc, constant
+from dualarm_pin.paths.curve import Piece, Samples, arc
 from dualarm_pin.paths.follow import Follow, Hold, follow, hold
+from dualarm_pin.paths.place import UP, flat, middle, not_zero, positive
 from dualarm_pin.paths.polyline import rounded
-
-_UP = np.array([0.0, 0.0, 1.0])
 
 
 def corner(
@@ -84,8 +81,7 @@ def circle(
     Raises:
         InputError: A radius that is not positive, or no turn.
     """
-    if turns == 0.0:
-        raise InputError("a number other than 0 is expected", field="turns")
+    not_zero(turns=turns)
     return follow([_arc(radius, center, height, start, 2 * math.pi * turns)], "circle", how)
 
 
@@ -149,114 +145,11 @@ def raster(
     return follow([flat(piece) for piece in rounded(vertices, fillet)], "raster", how)
 
 
-def sine(
-    length: float,
-    *,
-    amplitude: float = 0.01,
-    periods: float = 4.0,
-    center: ArrayLike = (0.0, 0.0),
-    height: float = 0.3,
-    **how: Unpack[Follow],
-) -> Path:
-    """Return a sine wave along x, as a weaving weld runs.
-
-    Args:
-        length: Extent along x [m].
-        amplitude: Half of the extent along y [m].
-        periods: Number of waves.
-        center: x and y of the middle [m].
-        height: z of the plane [m].
-        **how: See `Follow`.
-
-    Raises:
-        InputError: A length, amplitude or number of waves that is not positive.
-    """
-    positive(length=length, amplitude=amplitude, periods=periods)
-    origin, turn = middle(center, height), 2 * math.pi * periods
-
-    def point(t: Array) -> Array:
-        x, y = length * (t - 0.5), amplitude * np.sin(turn * t)
-        return origin + np.column_stack([x, y, np.zeros_like(t)])
-
-    def derivative(t: Array) -> Array:
-        y = amplitude * turn * np.cos(turn * t)
-        return np.column_stack([np.full_like(t, length), y, np.zeros_like(t)])
-
-    return follow(spans(point, derivative, math.ceil(periods)), "sine", how)
-
-
-def figure_eight(
-    radius: float,
-    *,
-    center: ArrayLike = (0.0, 0.0),
-    height: float = 0.3,
-    **how: Unpack[Follow],
-) -> Path:
-    """Return a figure eight along x, closed: x = a sin t, y = a sin t cos t.
-
-    Args:
-        radius: Half of its extent along x, a [m]; along y it reaches half as far.
-        center: x and y of the crossing, where it starts [m].
-        height: z of the plane [m].
-        **how: See `Follow`.
-
-    Raises:
-        InputError: A radius that is not positive.
-    """
-    positive(radius=radius)
-    origin, turn = middle(center, height), 2 * math.pi
-
-    def point(t: Array) -> Array:
-        x, y = radius * np.sin(turn * t), 0.5 * radius * np.sin(2 * turn * t)
-        return origin + np.column_stack([x, y, np.zeros_like(t)])
-
-    def derivative(t: Array) -> Array:
-        x, y = radius * turn * np.cos(turn * t), radius * turn * np.cos(2 * turn * t)
-        return np.column_stack([x, y, np.zeros_like(t)])
-
-    return follow(spans(point, derivative, 4), "figure eight", how)
-
-
-def positive(**lengths: float) -> None:
-    """Refuse a value that is not above 0.
-
-    Raises:
-        InputError: The field is the name of the argument.
-    """
-    for name, value in lengths.items():
-        if not (value > 0.0 and math.isfinite(value)):
-            raise InputError(f"a number above 0 is expected; given {value:g}", field=name)
-
-
-def middle(center: ArrayLike, height: float) -> Array:
-    """Return the point above `center` (x, y) at `height` [m]."""
-    return np.append(finite(center, "center", (2,)), finite(height, "height", ()))
-
-
-def flat(piece: Piece) -> Piece:
-    """Return the piece with z of e1 as its normal."""
-    return replace(piece, normal=constant(_UP))
-
-
-def spans(point: Along, derivative: Along, count: int, normal: Along | None = None) -> list[Piece]:
-    """Return a curve over t in [0, 1] as `count` pieces, each short enough for its quadrature."""
-
-    def span(k: int) -> Piece:
-        return Piece(
-            lambda t: point((k + t) / count),
-            lambda t: derivative((k + t) / count) / count,
-            constant(_UP) if normal is None else lambda t: normal((k + t) / count),
-            even=False,
-        )
-
-    return [span(k) for k in range(count)]
-
-
 def _arc(radius: float, center: ArrayLike, height: float, start: float, angle: float) -> Piece:
     positive(radius=radius)
     x = radius * np.array([math.cos(start), math.sin(start), 0.0])
     y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
-    return arc(middle(center, height), x, y, angle, normal=_UP)
+    return arc(middle(center, height), x, y, angle, normal=UP)
 
 
 def _paper(side: float, r: float, height: float, points: Sequence[int]) -> Samples:
@@ -279,5 +172,5 @@ def _paper(side: float, r: float, height: float, points: Sequence[int]) -> Sampl
         np.column_stack([x, y, np.full(h, height)]),
         np.column_stack([tx, ty, np.zeros(h)]),
         s,
-        np.broadcast_to(_UP, (h, 3)),
+        np.broadcast_to(UP, (h, 3)),
     )

@@ -14,7 +14,7 @@ from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
 from dualarm_pin.paths.curve import Piece, arc
 from dualarm_pin.paths.follow import Follow, follow
-from dualarm_pin.paths.planar import middle, positive
+from dualarm_pin.paths.place import middle, not_zero, positive
 from dualarm_pin.paths.polyline import distinct
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -44,8 +44,7 @@ def helix(
         InputError: A radius that is not positive, or no turn.
     """
     positive(radius=radius)
-    if turns == 0.0:
-        raise InputError("a number other than 0 is expected", field="turns")
+    not_zero(turns=turns)
     x = radius * np.array([math.cos(start), math.sin(start), 0.0])
     y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
     rise = np.array([0.0, 0.0, pitch * abs(turns)])
@@ -72,7 +71,7 @@ def spline(through: ArrayLike, *, closed: bool = False, **how: Unpack[Follow]) -
 
 def spline_pieces(through: ArrayLike, field: str, closed: bool = False) -> list[Piece]:
     """Return one cubic piece for each pair of neighbouring points."""
-    from scipy.interpolate import CubicSpline  # noqa: PLC0415 - scipy loads slowly
+    from scipy.interpolate import CubicSpline
 
     points = distinct(through, field)
     if closed and np.linalg.norm(points[0] - points[-1]) > TOLERANCE.coincident:

@@ -12,7 +12,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
 from dualarm_pin.paths.follow import Follow, follow
-from dualarm_pin.paths.planar import middle, positive, spans
+from dualarm_pin.paths.place import middle, not_zero, positive, spans
 
 
 def dome_spiral(
@@ -40,8 +40,7 @@ def dome_spiral(
         InputError: A radius that is not positive, no turn, or angles out of order.
     """
     positive(radius=radius)
-    if turns == 0.0:
-        raise InputError("a number other than 0 is expected", field="turns")
+    not_zero(turns=turns)
     if not 0.0 <= inner < outer < math.pi:
         message = "0 <= inner < outer < 180 degrees is expected; given "
         message += f"{math.degrees(inner):g} and {math.degrees(outer):g}"
@@ -101,8 +100,7 @@ def tube_seam(
     if radius >= tube_radius:
         message = f"a branch thinner than the tube ({tube_radius:g}) is expected; given {radius:g}"
         raise InputError(message, field="radius")
-    if turns == 0.0:
-        raise InputError("a number other than 0 is expected", field="turns")
+    not_zero(turns=turns)
     if not abs(tilt) <= 0.5 * math.pi:
         message = f"an angle within 90 degrees is expected; given {math.degrees(tilt):g}"
         raise InputError(message, field="tilt")
