@@ -1,0 +1,40 @@
+"""How the engine is compiled: one decorator for its functions, one for its few entry points.
+
+Only entry points are cached on disk. Their cache key holds a stamp of every source file of the
+engine, because numba itself looks only at the file of the function it caches. Where the package
+folder is read-only numba writes to the user's cache folder by itself.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numba
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+# Everything of fast math that keeps the meaning of nan and inf: the line search relies on both.
+_FAST = {"reassoc", "contract", "nsz", "arcp"}
+
+
+def compiled(function: F) -> F:
+    """Compile a function that only other compiled functions call."""
+    jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True)(function)
+    return jitted
+
+
+def entry(function: F) -> F:
+    """Compile a function that Python calls; kept on disk from one process to the next."""
+    jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True, cache=True)(function)
+    return jitted
+
+
+def source_stamp() -> int:
+    """Return a number that changes with any source file of the engine."""
+    digest = hashlib.sha256()
+    for file in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(file.read_bytes())
+    return int.from_bytes(digest.digest()[:6], "big")

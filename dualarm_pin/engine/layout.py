@@ -1,0 +1,278 @@
+"""The data of one problem as contiguous arrays, and the room a solve works in.
+
+All values are run-time data: another robot, index, path, bound or weight compiles nothing.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from dualarm_pin.engine.chain import Chain, Floats, Integers
+from dualarm_pin.engine.compiled import compiled
+
+FORCE, CALLED = 0, 1  # index_kind: the fast path, or phi and its derivatives by address
+
+
+class Problem(NamedTuple):
+    """min sum_i index_weight_i c(q_i) + linear_i . q_i + links, s.t. pose rows and bounds.
+
+    A link between neighbours is weight * (dq^T diag(metric) dq)^2; the ends are links to fixed
+    postures before the first and after the last point. The pose is resolved in axes of e2 turned
+    so that the spin axis is their z.
+
+    Attributes:
+        chain: The chain from e1 to e2.
+        index_kind: FORCE or CALLED.
+        calls: (3,) addresses of phi, gradient and curvature (0 for FORCE).
+        task_scale: (6,) square roots of the task weights.
+        joint_weights: (n,) diagonal of W.
+        centre: (n,) middle of the bounds.
+        centre_weight: (n,) weight of (q - centre)^2, with the index.
+        position: (k, 3) m, target of e2 in e1.
+        quaternion: (k, 4) target (w, x, y, z).
+        target_axes: (k, 3, 3) transposed target rotation.
+        rows: (k,) 6, 5 or 3 pose rows.
+        u: (k, 6) directions in e1.
+        index_weight: (k,).
+        linear: (k, n).
+        lower: (n,) rad or m; a fixed variable has a harmless interval around its value.
+        upper: (n,).
+        fixed: (f,) columns that must not move.
+        link_weight: (k-1,).
+        metric: (n,).
+        end: (2, n) fixed neighbours before and after.
+        end_weight: (2,) their weights, 0 for none.
+        inequality: (r, 12) inequality rows of every point: none yet.
+    """
+
+    chain: Chain
+    index_kind: int
+    calls: Integers
+    task_scale: Floats
+    joint_weights: Floats
+    centre: Floats
+    centre_weight: Floats
+    position: Floats
+    quaternion: Floats
+    target_axes: Floats
+    rows: Integers
+    u: Floats
+    index_weight: Floats
+    linear: Floats
+    lower: Floats
+    upper: Floats
+    fixed: Integers
+    link_weight: Floats
+    metric: Floats
+    end: Floats
+    end_weight: Floats
+    inequality: Floats
+
+
+class Scratch(NamedTuple):
+    """Room for the derivatives at one point (E elements, n variables).
+
+    Attributes:
+        w: (3, E) axes.
+        v: (3, E) velocity columns.
+        B: (3, 3) rotation rows, d(2 vec) = B w.
+        J_r: (6, n), rows scaled by the task weights.
+        a: (n,) u . J_r, column by column.
+        b: (6, E) d(value)/d(column of J_r), per element and unscaled.
+        chain_slope: (E, E) u . dJ_e/dq_j.
+        slope: (n, E) the same summed over the elements of a variable.
+        alpha: (3, E) factors of the second derivatives, see `derivatives`.
+        beta: (3, E) the same.
+        second: (E, E) second derivatives by elements, upper triangle.
+        A: (6, 6) J_r W J_r^T.
+        G: (6, 6) dphi/dA.
+        dJ: (E, 6, n) derivative of J_r by element.
+        dA: (E, 6, 6) derivative of A by element.
+        dG: (6, 6) change of G along one dA.
+    """
+
+    w: Floats
+    v: Floats
+    B: Floats
+    J_r: Floats
+    a: Floats
+    b: Floats
+    chain_slope: Floats
+    slope: Floats
+    alpha: Floats
+    beta: Floats
+    second: Floats
+    A: Floats
+    G: Floats
+    dJ: Floats
+    dA: Floats
+    dG: Floats
+
+
+class Workspace(NamedTuple):
+    """Room for one solve of k points; every thread has its own.
+
+    Attributes:
+        scratch: Room for one point.
+        residual: (k, 6) pose residual.
+        trial_residual: (k, 6).
+        jacobian: (k, 6, n) of the pose residual.
+        gradient: (k, n) of the objective.
+        barrier_gradient: (k, n).
+        hessian: (k, n, n) diagonal blocks of the Lagrangian's Hessian.
+        link: (k, n) diag(metric) dq of the link after each point.
+        stiffness: (k,) 4 weight dq^T diag(metric) dq of that link.
+        basis: (k, n, n) rows: orthonormal basis, first of the row space, then of the null space.
+        triangle: (k, 6, 6) lower triangular factor: jacobian = triangle basis.
+        kept: (k, 6) which pose rows are independent.
+        rank: (k,) how many.
+        free: (k,) n - rank, size of the reduced blocks.
+        mirror: (6, n) Householder vectors of one point.
+        half: (n, n) room for a product.
+        diagonal: (k, d, d) reduced Hessian, d = n.
+        coupling: (k, d, d) reduced coupling with the point before.
+        factor: (k, d, d) Cholesky factors, diagonal inverted.
+        below: (k, d, d) Cholesky factors left of the diagonal.
+        row: (6,) room.
+        reduced: (k, d) right-hand side and solution.
+        step: (k, n).
+        correction: (k, n) second-order correction of the step.
+        normal: (k, n) part of the step in the row space.
+        product: (k, n) Hessian times a vector.
+        target: (k, 6) residual that the step shall remove.
+        new_y: (k, 6) multipliers after a full step.
+        trial: (k, n).
+        filter: (f, 2) pairs of violation and barrier objective.
+    """
+
+    scratch: Scratch
+    residual: Floats
+    trial_residual: Floats
+    jacobian: Floats
+    gradient: Floats
+    barrier_gradient: Floats
+    hessian: Floats
+    link: Floats
+    stiffness: Floats
+    basis: Floats
+    triangle: Floats
+    kept: Integers
+    rank: Integers
+    free: Integers
+    mirror: Floats
+    half: Floats
+    diagonal: Floats
+    coupling: Floats
+    factor: Floats
+    below: Floats
+    row: Floats
+    reduced: Floats
+    step: Floats
+    correction: Floats
+    normal: Floats
+    product: Floats
+    target: Floats
+    new_y: Floats
+    trial: Floats
+    filter: Floats
+
+
+FILTER_SIZE = 500
+
+
+@compiled
+def new_scratch(elements: int, n: int) -> Scratch:
+    """Allocate the room for one point."""
+    return Scratch(
+        w=np.zeros((3, elements)),
+        v=np.zeros((3, elements)),
+        B=np.zeros((3, 3)),
+        J_r=np.zeros((6, n)),
+        a=np.zeros(n),
+        b=np.zeros((6, elements)),
+        chain_slope=np.zeros((elements, elements)),
+        slope=np.zeros((n, elements)),
+        alpha=np.zeros((3, elements)),
+        beta=np.zeros((3, elements)),
+        second=np.zeros((elements, elements)),
+        A=np.zeros((6, 6)),
+        G=np.zeros((6, 6)),
+        dJ=np.zeros((elements, 6, n)),
+        dA=np.zeros((elements, 6, 6)),
+        dG=np.zeros((6, 6)),
+    )
+
+
+@compiled
+def new_workspace(k: int, elements: int, n: int) -> Workspace:
+    """Allocate the room for one solve."""
+    return Workspace(
+        scratch=new_scratch(elements, n),
+        residual=np.zeros((k, 6)),
+        trial_residual=np.zeros((k, 6)),
+        jacobian=np.zeros((k, 6, n)),
+        gradient=np.zeros((k, n)),
+        barrier_gradient=np.zeros((k, n)),
+        hessian=np.zeros((k, n, n)),
+        link=np.zeros((k, n)),
+        stiffness=np.zeros(k),
+        basis=np.zeros((k, n, n)),
+        triangle=np.zeros((k, 6, 6)),
+        kept=np.zeros((k, 6), dtype=np.int64),
+        rank=np.zeros(k, dtype=np.int64),
+        free=np.zeros(k, dtype=np.int64),
+        mirror=np.zeros((6, n)),
+        half=np.zeros((n, n)),
+        diagonal=np.zeros((k, n, n)),
+        coupling=np.zeros((k, n, n)),
+        factor=np.zeros((k, n, n)),
+        below=np.zeros((k, n, n)),
+        row=np.zeros(6),
+        reduced=np.zeros((k, n)),
+        step=np.zeros((k, n)),
+        correction=np.zeros((k, n)),
+        normal=np.zeros((k, n)),
+        product=np.zeros((k, n)),
+        target=np.zeros((k, 6)),
+        new_y=np.zeros((k, 6)),
+        trial=np.zeros((k, n)),
+        filter=np.zeros((FILTER_SIZE, 2)),
+    )
+
+
+@compiled
+def window(problem: Problem, first: int, count: int) -> Problem:
+    """Return the problem of `count` neighbouring points; an end stays where the path ends."""
+    last = first + count
+    whole = problem.position.shape[0]
+    end_weight = problem.end_weight.copy()
+    if first > 0:
+        end_weight[0] = 0.0
+    if last < whole:
+        end_weight[1] = 0.0
+    return Problem(
+        problem.chain,
+        problem.index_kind,
+        problem.calls,
+        problem.task_scale,
+        problem.joint_weights,
+        problem.centre,
+        problem.centre_weight,
+        problem.position[first:last],
+        problem.quaternion[first:last],
+        problem.target_axes[first:last],
+        problem.rows[first:last],
+        problem.u[first:last],
+        problem.index_weight[first:last],
+        problem.linear[first:last],
+        problem.lower,
+        problem.upper,
+        problem.fixed,
+        problem.link_weight[first : max(first, last - 1)],
+        problem.metric,
+        problem.end,
+        end_weight,
+        problem.inequality,
+    )

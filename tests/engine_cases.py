@@ -1,0 +1,85 @@
+"""Models and problems that the engine's tests share."""
+
+from __future__ import annotations
+
+from math import pi
+from typing import Any
+
+import numpy as np
+import pinocchio as pin
+
+from dualarm_pin.engine.chain import Chain, chain_from_model
+from dualarm_pin.engine.layout import Problem
+from dualarm_pin.engine.solve import problem_data
+from dualarm_pin.indices import Index, force
+
+# xyz and rpy of joint_1 .. joint_6 and of the flange, each joint about its own z
+_NS16 = [
+    ((0, 0, 0.251), (pi, 0, 0)),
+    ((0.3, 0.101, -0.349), (-pi / 2, 0, pi)),
+    ((0, 0.7, 0), (pi, 0, pi / 2)),
+    ((0.238, 0.185, -0.101), (-pi / 2, 0, pi / 2)),
+    ((0, 0, -0.386), (-pi / 2, pi / 2, 0)),
+    ((0.106, 0, 0), (pi / 2, 0, -pi / 2)),
+    ((0, 0, -0.029), (pi, 0, pi)),
+]
+TABLE_I = np.deg2rad([[-60, 60], [-45, 90], [-150, 45], [-90, 90], [-90, 90], [-90, 90]])
+
+
+def ns16_pair(base2: Any = None) -> tuple[Any, int, int]:
+    """Return (model, e1, e2) of the paper's cell."""
+    model, tips = pin.Model(), []
+    if base2 is None:
+        base2 = pin.SE3(pin.utils.rotate("z", pi), np.array([2.5, 0.0, 0.0]))
+    for arm, base in (("arm1", pin.SE3.Identity()), ("arm2", base2)):
+        parent, before = 0, base
+        for number, (xyz, rpy) in enumerate(_NS16, 1):
+            placement = before * pin.SE3(pin.rpy.rpyToMatrix(*rpy), np.array(xyz, dtype=float))
+            before = pin.SE3.Identity()
+            if number <= 6:
+                name = f"{arm}/joint_{number}"
+                parent = model.addJoint(parent, pin.JointModelRZ(), placement, name)
+            else:
+                frame = pin.Frame(f"{arm}/flange", parent, placement, pin.FrameType.BODY)
+                tips.append(model.addFrame(frame))
+    return model, tips[0], tips[1]
+
+
+def ns16_chain(base2: Any = None) -> Chain:
+    return chain_from_model(*ns16_pair(base2))
+
+
+def corner(
+    points: tuple[int, int, int] = (13, 5, 13), side: float = 0.15, fillet: float = 0.01
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return positions (h, 3) and unit tangents (h, 3) of the paper's corner."""
+    first, bend, last = points
+    inner = side - fillet
+    angle = 0.5 * pi * np.arange(1, bend + 1) / (bend + 1)
+    x = [np.full(first, side), inner + fillet * np.cos(angle), np.linspace(inner, 0.0, last)]
+    y = [np.linspace(0.0, inner, first), inner + fillet * np.sin(angle), np.full(last, side)]
+    position = np.stack([np.concatenate(x), np.concatenate(y), np.full(sum(points), 0.3)], axis=1)
+    tangent = np.zeros_like(position)
+    tangent[:first, 1], tangent[first + bend :, 0] = 1.0, -1.0
+    tangent[first : first + bend, :2] = np.stack([-np.sin(angle), np.cos(angle)], axis=1)
+    return position, tangent
+
+
+def paper_problem(
+    index: Index | None = None,
+    smoothness: float = 3.0,
+    points: tuple[int, int, int] = (13, 5, 13),
+    **changes: Any,
+) -> Problem:
+    """Return the paper's task on the whole path: P31 by default."""
+    position, tangent = corner(points)
+    h = len(position)
+    stated: dict[str, Any] = {
+        "rotation": np.tile(np.diag([1.0, -1.0, -1.0]), (h, 1, 1)),
+        "lower": np.tile(TABLE_I[:, 0], 2),
+        "upper": np.tile(TABLE_I[:, 1], 2),
+        "u": np.hstack([tangent, np.zeros((h, 3))]),
+        "link_weight": np.full(h - 1, smoothness),
+    }
+    chain = changes.pop("chain", None) or ns16_chain()
+    return problem_data(chain, index or force(), position, **(stated | changes))
