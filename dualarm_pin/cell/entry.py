@@ -15,16 +15,32 @@ from dualarm_pin.cell.nouns import ARMS
 from dualarm_pin.cell.reading import Loader
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import CellSpec
-from dualarm_pin.files.source import check, read_yaml
+from dualarm_pin.files.source import Key, Source, check, read_yaml
 
 
 def load_cell(file: Path) -> Cell:
     """Load a cell file; see `Cell.load`."""
-    source = read_yaml(file)
-    spec = check(source, CellSpec)
-    loader = Loader(spec, file.resolve().parent, source.error)
-    loader.note(file.resolve(), file.read_bytes())
-    return build(loader, spec.name or file.stem)
+    return cell_from_source(read_yaml(file))
+
+
+def cell_from_source(source: Source, keys: Sequence[Key] = ()) -> Cell:
+    """Build the cell that stands in a file that was read.
+
+    Args:
+        source: A cell file, or a task file with the cell inside.
+        keys: Where in the file the cell stands.
+
+    Raises:
+        InputError: As for `Cell.load`.
+    """
+    spec = check(source, CellSpec, keys)
+
+    def blame(message: str, where: Sequence[Key]) -> InputError:
+        return source.error(message, [*keys, *where])
+
+    loader = Loader(spec, source.path.resolve().parent, blame)
+    loader.note(source.path.resolve(), source.path.read_bytes())
+    return build(loader, spec.name or source.path.stem)
 
 
 def build_cell(spec: CellSpec, folder: Path, name: str = "cell") -> Cell:

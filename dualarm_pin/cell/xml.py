@@ -52,13 +52,17 @@ def parse_xml(raw: bytes, file: Path) -> Any:
         raise InputError(
             "has a DTD (<!DOCTYPE>), which may define entities; remove it", file=file, line=line
         )
+    parser = _parser(recover=False)
     try:
-        root = etree.fromstring(raw, _parser(recover=False))
+        root = etree.fromstring(raw, parser)
     except etree.XMLSyntaxError as error:
         # An undeclared prefix (<controller:gazebo ...>) is common in the field and harmless.
-        domains = {entry.domain_name for entry in error.error_log}
+        # (The log of the exception also holds the errors of earlier files.)
+        domains = {entry.domain_name for entry in parser.error_log}
         if domains != {"NAMESPACE"}:
             reason = (error.msg or "not XML").split(", line ")[0]
+            if "encoding" in reason or "UTF-8" in reason:
+                reason += "; save the file as UTF-8"
             raise InputError(f"not valid XML: {reason}", file=file, line=error.lineno) from error
         root = etree.fromstring(raw, _parser(recover=True))
     except (ValueError, LookupError) as error:
@@ -99,15 +103,17 @@ class Reader:
         """Return the plain tag; empty for comments and for elements of another namespace."""
         if not isinstance(element.tag, str):
             return ""
-        name = etree.QName(element)
-        if name.namespace in _XACRO or element.prefix == "xacro" or name.localname[:6] == "xacro:":
+        uri, _, name = element.tag.rpartition("}")
+        namespace = uri.removeprefix("{") or None
+        prefix, _, plain = name.rpartition(":")  # a prefix that is not declared stays in the tag
+        if namespace in _XACRO or "xacro" in (prefix, element.prefix):
             raise self.error(
-                f"<{element.prefix or 'xacro'}:{name.localname.removeprefix('xacro:')}> is xacro, "
-                "not URDF: name the file .xacro, or expand it with `xacro in.xacro -o out.urdf`",
+                f"<xacro:{plain}> is xacro, not URDF: name the file .xacro, or expand it with "
+                "`xacro in.xacro -o out.urdf`",
                 element,
                 "",
             )
-        return name.localname if name.namespace in (None, self.namespace) else ""
+        return name if namespace in (None, self.namespace) and not prefix else ""
 
     def children(self, element: Any, tag: str) -> list[Any]:
         """Return the children with this tag."""
