@@ -8,7 +8,7 @@ One generator (or `csv`, `gcode`, `apt`), and how the tool is held:
       orientation: constant                  # tangent | normal | normal_tangent
       free: none                             # spin | rotation; or a list, one for each point
       spin_axis: [0, 0, 1]                   # in e2, for free: spin
-      frame: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}     # moves the whole path within e1
+      frame: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}   # moves the whole path within e1
 
 Lengths in metres; angles in degrees where the key ends in `_deg`. What each key means stands in
 the docstring of the generator of the same name in `dualarm_pin.paths`.
@@ -18,13 +18,12 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
+from dualarm_pin.files.cell_spec import PlacementSpec, Positive, Vector
 from dualarm_pin.files.source import Spec
 
-Positive = Annotated[float, Field(gt=0)]
 Count = Annotated[int, Field(ge=2, le=1_000_000)]
-Vector = tuple[float, float, float]
 Plane = tuple[float, float]
 Free = Literal["none", "spin", "rotation"]
 
@@ -141,7 +140,7 @@ class DomeSpiralSpec(Placed):
 
     radius: float
     turns: float = 3.0
-    inner_deg: float = 5.0
+    inner_deg: float = 10.0
     outer_deg: float = 45.0
     height: float = 0.2
 
@@ -186,11 +185,9 @@ class AptSpec(Resampled):
     stretch: Annotated[int, Field(ge=1)] | None = None
 
 
-class FrameSpec(Spec):
-    """A placement in e1."""
-
-    xyz: Vector = (0.0, 0.0, 0.0)
-    rpy_deg: Vector = (0.0, 0.0, 0.0)
+def _bare_name(value: object) -> object:
+    """Read `csv: FILE` as `csv: {file: FILE}`."""
+    return {"file": value} if isinstance(value, str) else value
 
 
 class PathSpec(Spec):
@@ -207,16 +204,16 @@ class PathSpec(Spec):
     dome_spiral: DomeSpiralSpec | None = None
     tube_seam: TubeSeamSpec | None = None
     spline: SplineSpec | None = None
-    csv: str | CsvSpec | None = None
+    csv: Annotated[CsvSpec, BeforeValidator(_bare_name)] | None = None
     gcode: GcodeSpec | None = None
-    apt: str | AptSpec | None = None
+    apt: Annotated[AptSpec, BeforeValidator(_bare_name)] | None = None
 
     rotation: tuple[Vector, Vector, Vector] | None = None
     rpy_deg: Vector | None = None
     orientation: Literal["constant", "tangent", "normal", "normal_tangent"] | None = None
     free: Free | list[Free] = "none"
     spin_axis: Vector = (0.0, 0.0, 1.0)
-    frame: FrameSpec | None = None
+    frame: PlacementSpec | None = None
 
     @property
     def generator(self) -> str:

@@ -10,8 +10,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
+from dualarm_pin.arrays import rotations
 from dualarm_pin.errors import InputError
-from dualarm_pin.files.path_spec import AptSpec, CsvSpec, FrameSpec, GcodeSpec, PathSpec
+from dualarm_pin.files.cell_spec import PlacementSpec
+from dualarm_pin.files.path_spec import PathSpec
 from dualarm_pin.files.source import Spec
 from dualarm_pin.path import Path
 from dualarm_pin.paths import planar, polyline, spatial, surface, waves
@@ -33,11 +35,7 @@ _GENERATORS: dict[str, Callable[..., Path]] = {
     "spline": spatial.spline,
 }
 
-_FILES: dict[str, tuple[Callable[..., Path], type[CsvSpec | GcodeSpec | AptSpec]]] = {
-    "csv": (read_csv, CsvSpec),
-    "gcode": (read_gcode, GcodeSpec),
-    "apt": (read_apt, AptSpec),
-}
+_FILES: dict[str, Callable[..., Path]] = {"csv": read_csv, "gcode": read_gcode, "apt": read_apt}
 _DEGREES = {angle: f"{angle}_deg" for angle in ("start", "stop", "inner", "outer", "tilt")}
 
 
@@ -54,13 +52,11 @@ def load_path(spec: PathSpec, folder: FilePath) -> Path:
     """
     name = spec.generator
     section = getattr(spec, name)
-    if isinstance(section, str):
-        section = _FILES[name][1](file=section)
     try:
         if name in _FILES:
             arguments = _arguments(section)
             file = folder / arguments.pop("file")
-            return _FILES[name][0](file, **arguments, **_hold(spec))
+            return _FILES[name](file, **arguments, **_hold(spec))
         return _GENERATORS[name](**_arguments(section), **_hold(spec))
     except InputError as error:
         if error.file is not None:
@@ -88,8 +84,13 @@ def _hold(spec: PathSpec) -> dict[str, Any]:
     return how
 
 
-def _frame(spec: FrameSpec) -> pin.SE3:
-    return pin.SE3(pin.rpy.rpyToMatrix(*np.radians(spec.rpy_deg)), np.array(spec.xyz))
+def _frame(spec: PlacementSpec) -> pin.SE3:
+    rotation = pin.rpy.rpyToMatrix(*(spec.rpy or (0.0, 0.0, 0.0)))
+    if spec.rpy_deg is not None:
+        rotation = pin.rpy.rpyToMatrix(*np.radians(spec.rpy_deg))
+    if spec.rotation is not None:
+        rotation = rotations(spec.rotation, (1, 3, 3))[0]
+    return pin.SE3(rotation, np.array(spec.xyz))
 
 
 def _arguments(section: Spec) -> dict[str, Any]:

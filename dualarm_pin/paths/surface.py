@@ -19,7 +19,7 @@ def dome_spiral(
     radius: float,
     *,
     turns: float = 3.0,
-    inner: float = math.radians(5.0),
+    inner: float = math.radians(10.0),
     outer: float = math.radians(45.0),
     center: ArrayLike = (0.0, 0.0),
     height: float = 0.2,
