@@ -46,11 +46,11 @@ def objective(problem: Problem, work: Workspace, q: Floats, residual: Floats) ->
     for i in range(count):
         total += point_value(problem, i, q[i], work.scratch, residual[i])
     for i in range(count - 1):
-        total += link_value(problem.link_weight[i], problem.metric, q[i], q[i + 1])
-    if problem.end_weight[0] != 0.0:
-        total += link_value(problem.end_weight[0], problem.metric, problem.end[0], q[0])
-    if problem.end_weight[1] != 0.0:
-        total += link_value(problem.end_weight[1], problem.metric, q[count - 1], problem.end[1])
+        total += link_value(problem.points.link_weight[i], problem.metric, q[i], q[i + 1])
+    if problem.points.end_weight[0] != 0.0:
+        total += link_value(problem.points.end_weight[0], problem.metric, problem.end[0], q[0])
+    if problem.points.end_weight[1] != 0.0:
+        total += link_value(problem.points.end_weight[1], problem.metric, q[count - 1], problem.end[1])
     return total
 
 
@@ -137,18 +137,18 @@ def all_derivatives(problem: Problem, work: Workspace, q: Floats, y: Floats) -> 
         )
     _freeze(problem, work)
     for i in range(count - 1):
-        weight = problem.link_weight[i]
+        weight = problem.points.link_weight[i]
         work.stiffness[i] = _link_terms(weight, problem.metric, q[i], q[i + 1], work.link[i])
         _add_link(work, i, -1.0, weight, work.stiffness[i], work.link[i], problem.metric)
         _add_link(work, i + 1, 1.0, weight, work.stiffness[i], work.link[i], problem.metric)
     last = count - 1
     room = work.link[last]
-    if problem.end_weight[0] != 0.0:
-        weight = problem.end_weight[0]
+    if problem.points.end_weight[0] != 0.0:
+        weight = problem.points.end_weight[0]
         stiffness = _link_terms(weight, problem.metric, problem.end[0], q[0], room)
         _add_link(work, 0, 1.0, weight, stiffness, room, problem.metric)
-    if problem.end_weight[1] != 0.0:
-        weight = problem.end_weight[1]
+    if problem.points.end_weight[1] != 0.0:
+        weight = problem.points.end_weight[1]
         stiffness = _link_terms(weight, problem.metric, q[last], problem.end[1], room)
         _add_link(work, last, -1.0, weight, stiffness, room, problem.metric)
     for i in range(count):
@@ -217,7 +217,7 @@ def optimality(
     for i in range(count):
         for k in range(n):
             rest = work.gradient[i, k] - z_l[i, k] + z_u[i, k]
-            for r in range(problem.rows[i]):
+            for r in range(problem.points.rows[i]):
                 rest += work.jacobian[i, r, k] * y[i, r]
             dual = max(dual, abs(rest))
             lower = z_l[i, k] * (q[i, k] - problem.lower[k])
@@ -225,7 +225,7 @@ def optimality(
             high = max(high, max(lower, upper))
             low = min(low, min(lower, upper))
             total += z_l[i, k] + z_u[i, k]
-        for r in range(problem.rows[i]):
+        for r in range(problem.points.rows[i]):
             primal = max(primal, abs(work.residual[i, r]))
             total += abs(y[i, r])
     scale = max(100.0, total / (count * (2 * n + 6))) / 100.0

@@ -13,6 +13,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from dualarm_pin.engine.by_reference import by_reference
 from dualarm_pin.errors import InputError, ShapeError
 
 Floats = NDArray[np.float64]
@@ -22,6 +23,7 @@ VARIABLE, PARAMETER, CONSTANT = 0, 1, 2
 REVOLUTE, PRISMATIC = 0, 1
 
 
+@by_reference
 class Chain(NamedTuple):
     """Elements e = 0 .. E-1 between E+1 fixed placements; all arrays C-contiguous.
 

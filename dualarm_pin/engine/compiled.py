@@ -21,8 +21,8 @@ _FAST = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def compiled(function: F) -> F:
-    """Compile a function that only other compiled functions call."""
-    jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True)(function)
+    """Compile a function that only other compiled functions call; it may not allocate."""
+    jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True, _nrt=False)(function)
     return jitted
 
 
@@ -30,6 +30,21 @@ def entry(function: F) -> F:
     """Compile a function that Python calls; kept on disk from one process to the next."""
     jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True, cache=True)(function)
     return jitted
+
+
+@compiled
+def copy_row(source: Any, target: Any) -> None:
+    """Copy a (n,) array."""
+    for k in range(source.shape[0]):
+        target[k] = source[k]
+
+
+@compiled
+def copy_rows(source: Any, target: Any) -> None:
+    """Copy a (k, n) array."""
+    for i in range(source.shape[0]):
+        for k in range(source.shape[1]):
+            target[i, k] = source[i, k]
 
 
 def source_stamp() -> int:

@@ -43,9 +43,9 @@ def point_value(
 ) -> float:
     """Return the objective of point i without links and fill its pose residual (6,)."""
     p, Q = place_chain(problem.chain, q, scratch.w, scratch.v)
-    pose_residual(p, Q, problem.position[i], problem.quaternion[i], residual)
-    residual[problem.rows[i] :] = 0.0
-    if problem.index_weight[i] == 0.0:
+    pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], residual)
+    residual[problem.points.rows[i] :] = 0.0
+    if problem.points.index_weight[i] == 0.0:
         value = 0.0
     elif problem.index_kind == FORCE:
         value = force_value(problem, i, scratch)
@@ -55,8 +55,8 @@ def point_value(
     for k in range(q.shape[0]):
         away = q[k] - problem.centre[k]
         value += problem.centre_weight[k] * away * away
-        total += problem.linear[i, k] * q[k]
-    return total + problem.index_weight[i] * value
+        total += problem.points.linear[i, k] * q[k]
+    return total + problem.points.index_weight[i] * value
 
 
 @compiled
@@ -86,22 +86,22 @@ def point_derivatives(
     """
     chain, w, v = problem.chain, scratch.w, scratch.v
     p, Q = place_chain(chain, q, w, v)
-    error = pose_residual(p, Q, problem.position[i], problem.quaternion[i], residual)
-    residual[problem.rows[i] :] = 0.0
-    rotation_rows(error, problem.target_axes[i], scratch.B)
+    error = pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], residual)
+    residual[problem.points.rows[i] :] = 0.0
+    rotation_rows(error, problem.points.target_axes[i], scratch.B)
     constraint_jacobian(chain, w, v, scratch.B, jacobian)
     if problem.index_kind == FORCE:
         force_terms(problem, i, scratch)
     else:
         called_terms(problem, i, scratch)
     index_sums(scratch, gradient, chain)
-    add_constraint_factors(problem.rows[i], y, residual, scratch)
+    add_constraint_factors(problem.points.rows[i], y, residual, scratch)
     fill_second(scratch)
     by_variable(chain, scratch.second, hessian)
-    weight = problem.index_weight[i]
+    weight = problem.points.index_weight[i]
     for k in range(q.shape[0]):
         slope = 2.0 * weight * problem.centre_weight[k]
-        gradient[k] += slope * (q[k] - problem.centre[k]) + problem.linear[i, k]
+        gradient[k] += slope * (q[k] - problem.centre[k]) + problem.points.linear[i, k]
         hessian[k, k] += slope
 
 

@@ -9,7 +9,7 @@ from dualarm_pin.engine.chain import Floats, Integers
 from dualarm_pin.engine.compiled import entry, source_stamp
 from dualarm_pin.engine.interior_point import Settings, solve_one
 from dualarm_pin.engine.kinematics import relative_jacobian
-from dualarm_pin.engine.layout import Problem, new_workspace, window
+from dualarm_pin.engine.layout import Problem, Points, Workspace, load_window
 from dualarm_pin.engine.derivatives import point_value
 
 _STAMP = source_stamp()
@@ -18,6 +18,8 @@ _STAMP = source_stamp()
 def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
     def solve_items(
         problem: Problem,
+        path: Points,
+        work: Workspace,
         settings: Settings,
         keep_multipliers: bool,
         items: Integers,
@@ -33,7 +35,9 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
         """Solve some items of a batch, one after the other, until done or interrupted.
 
         Args:
-            problem: All points.
+            problem: With room for the points of one item.
+            path: All points.
+            work: Room for one item.
             settings: For every item alike.
             keep_multipliers: Warm start.
             items: (s,) rows of the batch to solve.
@@ -47,14 +51,12 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
             values: (batch, 4) filled: objective, residual, stationarity, mu.
         """
         _ = stamp
-        count, n = q.shape[1], q.shape[2]
-        work = new_workspace(count, problem.chain.kind.shape[0], n)
         for item in items:
             if interrupt[0] != 0:
                 break
-            part = window(problem, first[item], count)
+            load_window(path, first[item], problem.points)
             report = solve_one(
-                part, settings, work, keep_multipliers, q[item], y[item], z_l[item], z_u[item]
+                problem, settings, work, keep_multipliers, q[item], y[item], z_l[item], z_u[item]
             )
             codes[item, 0], codes[item, 1] = report.status, report.iterations
             values[item, 0], values[item, 1] = report.objective, report.residual
@@ -65,28 +67,15 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
 
 
 def _make_evaluate(stamp: int):  # type: ignore[no-untyped-def]
-    def evaluate(problem: Problem, q: Floats, y: Floats):  # type: ignore[no-untyped-def]
-        """Return values and derivatives at q (k, n), see `solve.Evaluation`."""
-        _ = stamp
-        count, n = q.shape
-        work = new_workspace(count, problem.chain.kind.shape[0], n)
-        values, J_r = np.zeros(count), np.zeros((count, 6, n))
-        for i in range(count):
+    def evaluate(
+        problem: Problem, work: Workspace, q: Floats, y: Floats, values: Floats, J_r: Floats
+    ) -> float:
+        """Fill values (k,), J_r (k, 6, n) and the derivatives in `work`; return the objective."""
+        for i in range(q.shape[0]):
             values[i] = point_value(problem, i, q[i], work.scratch, work.residual[i])
             relative_jacobian(problem.chain, work.scratch.w, work.scratch.v, J_r[i])
-        total = objective(problem, work, q, work.residual)
         all_derivatives(problem, work, q, y)
-        return (
-            total,
-            values,
-            work.residual,
-            work.jacobian,
-            work.gradient,
-            work.hessian,
-            work.link,
-            work.stiffness,
-            J_r,
-        )
+        return objective(problem, work, q, work.residual) + 0 * stamp
 
     return entry(evaluate)
 

@@ -6,8 +6,6 @@ part in which b itself changes; that part is filled here, by elements, upper tri
 
 from __future__ import annotations
 
-import numpy as np
-
 from dualarm_pin.engine.calls import call_with_3, call_with_4
 from dualarm_pin.engine.chain import VARIABLE, Chain, Floats
 from dualarm_pin.engine.compiled import compiled
@@ -20,7 +18,7 @@ from dualarm_pin.engine.vectors import cross, dot
 def projected_columns(problem: Problem, i: int, scratch: Scratch) -> None:
     """Fill a (n,): a_k = (Wt^(1/2) u) . J_k, summed over the elements of variable k."""
     chain, w, v, a = problem.chain, scratch.w, scratch.v, scratch.a
-    s, u = problem.task_scale, problem.u[i]
+    s, u = problem.task_scale, problem.points.u[i]
     f = (s[0] * u[0], s[1] * u[1], s[2] * u[2])
     m = (s[3] * u[3], s[4] * u[4], s[5] * u[5])
     a[:] = 0.0
@@ -43,9 +41,9 @@ def force_value(problem: Problem, i: int, scratch: Scratch) -> float:
 @compiled
 def force_terms(problem: Problem, i: int, scratch: Scratch) -> None:
     """Fill b_e = 2 W_k s_e a_k Wt^(1/2) u and the Hessian part 2 sum_k W_k da_k/dq_j da_k/dq_l."""
-    chain, weight = problem.chain, problem.index_weight[i]
+    chain, weight = problem.chain, problem.points.index_weight[i]
     projected_columns(problem, i, scratch)
-    s, u, b = problem.task_scale, problem.u[i], scratch.b
+    s, u, b = problem.task_scale, problem.points.u[i], scratch.b
     for e in range(chain.kind.shape[0]):
         factor = 0.0
         if chain.role[e] == VARIABLE:
@@ -62,7 +60,7 @@ def force_terms(problem: Problem, i: int, scratch: Scratch) -> None:
 def _slopes(problem: Problem, i: int, scratch: Scratch) -> None:
     """Fill slope (n, E) = da_k/dq_j: f . (w_min x v_max), and m . (w_j x w_e) for j < e."""
     chain, w, v, C = problem.chain, scratch.w, scratch.v, scratch.chain_slope
-    s, u = problem.task_scale, problem.u[i]
+    s, u = problem.task_scale, problem.points.u[i]
     f = (s[0] * u[0], s[1] * u[1], s[2] * u[2])
     m = (s[3] * u[3], s[4] * u[4], s[5] * u[5])
     elements = w.shape[1]
@@ -122,11 +120,10 @@ def task_matrix(problem: Problem, scratch: Scratch) -> None:
 def called_value(problem: Problem, i: int, scratch: Scratch) -> float:
     """Return phi(A, u)."""
     task_matrix(problem, scratch)
-    out = np.zeros(1)
     call_with_3(
-        problem.calls[0], scratch.A.ctypes.data, problem.u[i].ctypes.data, out.ctypes.data
+        problem.calls[0], scratch.A.ctypes.data, problem.points.u[i].ctypes.data, scratch.value.ctypes.data
     )
-    return out[0]
+    return scratch.value[0]
 
 
 @compiled
@@ -136,8 +133,8 @@ def called_terms(problem: Problem, i: int, scratch: Scratch) -> None:
     dc = tr(G dA), dA_j = dJ_j W J^T + J W dJ_j^T, so b_e = 2 W_k s_e G J_k and the part left is
     tr(dA_j dG[dA_l]) + 2 sum_k W_k dJ_k/dq_j . G dJ_k/dq_l.
     """
-    chain, weight = problem.chain, problem.index_weight[i]
-    W, G, J_r, u = problem.joint_weights, scratch.G, scratch.J_r, problem.u[i]
+    chain, weight = problem.chain, problem.points.index_weight[i]
+    W, G, J_r, u = problem.joint_weights, scratch.G, scratch.J_r, problem.points.u[i]
     b, s = scratch.b, problem.task_scale
     task_matrix(problem, scratch)
     call_with_3(problem.calls[1], scratch.A.ctypes.data, u.ctypes.data, G.ctypes.data)
@@ -199,15 +196,14 @@ def _task_matrix_slopes(W: Floats, scratch: Scratch) -> None:
 @compiled
 def _add_curvature(problem: Problem, i: int, weight: float, scratch: Scratch) -> None:
     """Add tr(dA_j dG[dA_l]) + 2 sum_k W_k dJ_k/dq_j . G dJ_k/dq_l to the upper triangle."""
-    W, A, G, dG = problem.joint_weights, scratch.A, scratch.G, scratch.dG
+    W, A, G, dG, GdJ = problem.joint_weights, scratch.A, scratch.G, scratch.dG, scratch.GdJ
     dJ, dA, second = scratch.dJ, scratch.dA, scratch.second
     n = dJ.shape[2]
-    half = np.empty((6, n))
     for e in range(dA.shape[0]):
         call_with_4(
             problem.calls[2],
             A.ctypes.data,
-            problem.u[i].ctypes.data,
+            problem.points.u[i].ctypes.data,
             dA[e].ctypes.data,
             dG.ctypes.data,
         )
@@ -216,12 +212,12 @@ def _add_curvature(problem: Problem, i: int, weight: float, scratch: Scratch) ->
                 along = 0.0
                 for c in range(6):
                     along += G[r, c] * dJ[e, c, k]
-                half[r, k] = 2.0 * W[k] * along
+                GdJ[r, k] = 2.0 * W[k] * along
         for j in range(e + 1):
             entry = 0.0
             for r in range(6):
                 for c in range(6):
                     entry += dA[j, r, c] * dG[r, c]
                 for k in range(n):
-                    entry += dJ[j, r, k] * half[r, k]
+                    entry += dJ[j, r, k] * GdJ[r, k]
             second[j, e] += weight * entry

@@ -15,7 +15,7 @@ from dualarm_pin.engine.barrier import (
     start_multipliers,
 )
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.engine.compiled import compiled, copy_rows
 from dualarm_pin.engine.layout import Problem, Workspace
 from dualarm_pin.engine.line_search import Limits, merit_of, search
 from dualarm_pin.engine.newton import (
@@ -121,7 +121,7 @@ def solve_one(
         length = 0.0
         if used >= 0.0:
             shift = used if used > 0.0 else shift
-            work.target[:] = work.residual
+            copy_rows(work.residual, work.target)
             newton_step(problem, work, work.step)
             newton_multipliers(problem, work, work.step)
             length, now, filtered = search(problem, work, q, mu, tau, now, limits, filtered)
@@ -191,8 +191,8 @@ def _bound_multiplier_step(
 @compiled
 def _accept(work: Workspace, q: Floats, y: Floats, length: float) -> None:
     """Take the trial and its residual, and the multipliers of the pose rows as far."""
-    q[:] = work.trial
-    work.residual[:] = work.trial_residual
+    copy_rows(work.trial, q)
+    copy_rows(work.trial_residual, work.residual)
     for i in range(q.shape[0]):
         for r in range(6):
             y[i, r] += length * (work.new_y[i, r] - y[i, r])

@@ -9,27 +9,20 @@ from typing import NamedTuple
 
 import numpy as np
 
+from dualarm_pin.engine.by_reference import by_reference
 from dualarm_pin.engine.chain import Chain, Floats, Integers
 from dualarm_pin.engine.compiled import compiled
 
 FORCE, CALLED = 0, 1  # index_kind: the fast path, or phi and its derivatives by address
 
 
-class Problem(NamedTuple):
-    """min sum_i index_weight_i c(q_i) + linear_i . q_i + links, s.t. pose rows and bounds.
+@by_reference
+class Points(NamedTuple):
+    """What differs from point to point.
 
-    A link between neighbours is weight * (dq^T diag(metric) dq)^2; the ends are links to fixed
-    postures before the first and after the last point. The pose is resolved in axes of e2 turned
-    so that the spin axis is their z.
+    The pose is resolved in axes of e2 turned so that the spin axis is their z.
 
     Attributes:
-        chain: The chain from e1 to e2.
-        index_kind: FORCE or CALLED.
-        calls: (3,) addresses of phi, gradient and curvature (0 for FORCE).
-        task_scale: (6,) square roots of the task weights.
-        joint_weights: (n,) diagonal of W.
-        centre: (n,) middle of the bounds.
-        centre_weight: (n,) weight of (q - centre)^2, with the index.
         position: (k, 3) m, target of e2 in e1.
         quaternion: (k, 4) target (w, x, y, z).
         target_axes: (k, 3, 3) transposed target rotation.
@@ -37,23 +30,10 @@ class Problem(NamedTuple):
         u: (k, 6) directions in e1.
         index_weight: (k,).
         linear: (k, n).
-        lower: (n,) rad or m; a fixed variable has a harmless interval around its value.
-        upper: (n,).
-        fixed: (f,) columns that must not move.
-        link_weight: (k-1,).
-        metric: (n,).
-        end: (2, n) fixed neighbours before and after.
-        end_weight: (2,) their weights, 0 for none.
-        inequality: (r, 12) inequality rows of every point: none yet.
+        link_weight: (k,) of the link after each point; the last one is not used.
+        end_weight: (2,) weights of the links to the fixed ends, 0 for none.
     """
 
-    chain: Chain
-    index_kind: int
-    calls: Integers
-    task_scale: Floats
-    joint_weights: Floats
-    centre: Floats
-    centre_weight: Floats
     position: Floats
     quaternion: Floats
     target_axes: Floats
@@ -61,16 +41,51 @@ class Problem(NamedTuple):
     u: Floats
     index_weight: Floats
     linear: Floats
+    link_weight: Floats
+    end_weight: Floats
+
+
+@by_reference
+class Problem(NamedTuple):
+    """min sum_i index_weight_i c(q_i) + linear_i . q_i + links, s.t. pose rows and bounds.
+
+    A link between neighbours is weight * (dq^T diag(metric) dq)^2; the ends are links to fixed
+    postures before the first and after the last point.
+
+    Attributes:
+        chain: The chain from e1 to e2.
+        points: Targets, directions and weights.
+        index_kind: FORCE or CALLED.
+        calls: (3,) addresses of phi, gradient and curvature (0 for FORCE).
+        task_scale: (6,) square roots of the task weights.
+        joint_weights: (n,) diagonal of W.
+        centre: (n,) middle of the bounds.
+        centre_weight: (n,) weight of (q - centre)^2, with the index.
+        lower: (n,) rad or m; a fixed variable has a harmless interval around its value.
+        upper: (n,).
+        fixed: (f,) columns that must not move.
+        metric: (n,).
+        end: (2, n) fixed neighbours before and after.
+        inequality: (r, 12) inequality rows of every point: none yet.
+    """
+
+    chain: Chain
+    points: Points
+    index_kind: int
+    calls: Integers
+    task_scale: Floats
+    joint_weights: Floats
+    centre: Floats
+    centre_weight: Floats
     lower: Floats
     upper: Floats
     fixed: Integers
-    link_weight: Floats
     metric: Floats
     end: Floats
-    end_weight: Floats
     inequality: Floats
 
 
+@by_reference
 class Scratch(NamedTuple):
     """Room for the derivatives at one point (E elements, n variables).
 
@@ -91,6 +106,8 @@ class Scratch(NamedTuple):
         dJ: (E, 6, n) derivative of J_r by element.
         dA: (E, 6, 6) derivative of A by element.
         dG: (6, 6) change of G along one dA.
+        GdJ: (6, n) G times one dJ.
+        value: (1,) phi.
     """
 
     w: Floats
@@ -109,8 +126,11 @@ class Scratch(NamedTuple):
     dJ: Floats
     dA: Floats
     dG: Floats
+    GdJ: Floats
+    value: Floats
 
 
+@by_reference
 class Workspace(NamedTuple):
     """Room for one solve of k points; every thread has its own.
 
@@ -182,7 +202,6 @@ class Workspace(NamedTuple):
 FILTER_SIZE = 500
 
 
-@compiled
 def new_scratch(elements: int, n: int) -> Scratch:
     """Allocate the room for one point."""
     return Scratch(
@@ -202,10 +221,11 @@ def new_scratch(elements: int, n: int) -> Scratch:
         dJ=np.zeros((elements, 6, n)),
         dA=np.zeros((elements, 6, 6)),
         dG=np.zeros((6, 6)),
+        GdJ=np.zeros((6, n)),
+        value=np.zeros(1),
     )
 
 
-@compiled
 def new_workspace(k: int, elements: int, n: int) -> Workspace:
     """Allocate the room for one solve."""
     return Workspace(
@@ -242,37 +262,30 @@ def new_workspace(k: int, elements: int, n: int) -> Workspace:
     )
 
 
+def room_for_window(points: Points, k: int) -> Points:
+    """Return points of the same kind with room for k of them."""
+    room = [np.zeros((k, *array.shape[1:]), dtype=array.dtype) for array in points[:-1]]
+    return Points(*room, end_weight=np.zeros(2))
+
+
 @compiled
-def window(problem: Problem, first: int, count: int) -> Problem:
-    """Return the problem of `count` neighbouring points; an end stays where the path ends."""
-    last = first + count
-    whole = problem.position.shape[0]
-    end_weight = problem.end_weight.copy()
-    if first > 0:
-        end_weight[0] = 0.0
-    if last < whole:
-        end_weight[1] = 0.0
-    return Problem(
-        problem.chain,
-        problem.index_kind,
-        problem.calls,
-        problem.task_scale,
-        problem.joint_weights,
-        problem.centre,
-        problem.centre_weight,
-        problem.position[first:last],
-        problem.quaternion[first:last],
-        problem.target_axes[first:last],
-        problem.rows[first:last],
-        problem.u[first:last],
-        problem.index_weight[first:last],
-        problem.linear[first:last],
-        problem.lower,
-        problem.upper,
-        problem.fixed,
-        problem.link_weight[first : max(first, last - 1)],
-        problem.metric,
-        problem.end,
-        end_weight,
-        problem.inequality,
-    )
+def load_window(whole: Points, first: int, window: Points) -> None:
+    """Fill a window with neighbouring points; a fixed end counts where the path ends."""
+    count, total = window.position.shape[0], whole.position.shape[0]
+    for i in range(count):
+        at = first + i
+        for c in range(3):
+            window.position[i, c] = whole.position[at, c]
+            for r in range(3):
+                window.target_axes[i, c, r] = whole.target_axes[at, c, r]
+        for c in range(4):
+            window.quaternion[i, c] = whole.quaternion[at, c]
+        for c in range(6):
+            window.u[i, c] = whole.u[at, c]
+        for c in range(whole.linear.shape[1]):
+            window.linear[i, c] = whole.linear[at, c]
+        window.rows[i] = whole.rows[at]
+        window.index_weight[i] = whole.index_weight[at]
+        window.link_weight[i] = whole.link_weight[at]
+    window.end_weight[0] = whole.end_weight[0] if first == 0 else 0.0
+    window.end_weight[1] = whole.end_weight[1] if first + count == total else 0.0

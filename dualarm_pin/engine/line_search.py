@@ -118,7 +118,7 @@ def _move(q: Floats, length: float, step: Floats, trial: Floats) -> None:
 def _correct(problem: Problem, work: Workspace, q: Floats, tau: float, length: float) -> Merit:
     """Try the second-order correction: a step that also removes the residual of the full trial."""
     for i in range(q.shape[0]):
-        for r in range(problem.rows[i]):
+        for r in range(problem.points.rows[i]):
             work.target[i, r] = length * work.residual[i, r] + work.trial_residual[i, r]
     newton_step(problem, work, work.correction)
     corrected = step_to_bounds(problem, q, work.correction, tau)

@@ -25,7 +25,7 @@ def reduce_system(problem: Problem, work: Workspace) -> None:
     for i in range(count):
         work.rank[i] = orthonormal_basis(
             work.jacobian[i],
-            problem.rows[i],
+            problem.points.rows[i],
             work.basis[i],
             work.triangle[i],
             work.kept[i],
@@ -62,7 +62,7 @@ def _reduce_coupling(problem: Problem, work: Workspace, i: int) -> None:
     n = work.gradient.shape[1]
     here, before = work.basis[i], work.basis[i - 1]
     rank, rank_before = work.rank[i], work.rank[i - 1]
-    stiffness, bend = work.stiffness[i - 1], 8.0 * problem.link_weight[i - 1]
+    stiffness, bend = work.stiffness[i - 1], 8.0 * problem.points.link_weight[i - 1]
     link, half, block = work.link[i - 1], work.half, work.coupling[i]
     for b in range(work.free[i - 1]):
         along = 0.0
@@ -172,7 +172,7 @@ def hessian_times(problem: Problem, work: Workspace, x: Floats, out: Floats) -> 
                 entry += hessian[a, b] * x[i, b]
             out[i, a] = entry
     for i in range(count - 1):
-        link, stiffness, bend = work.link[i], work.stiffness[i], 8.0 * problem.link_weight[i]
+        link, stiffness, bend = work.link[i], work.stiffness[i], 8.0 * problem.points.link_weight[i]
         here, after = 0.0, 0.0
         for k in range(n):
             here += link[k] * x[i, k]

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualarm_pin.engine.chain import Chain, Floats, quaternion_of
 from dualarm_pin.engine.index_calls import index_calls
-from dualarm_pin.engine.layout import Problem
+from dualarm_pin.engine.layout import Points, Problem
 from dualarm_pin.errors import InputError, ShapeError
 
 if TYPE_CHECKING:
@@ -83,31 +83,33 @@ def problem_data(
         raise InputError(f"has a negative weight: {weights.tolist()}", field="task_weights")
     return Problem(
         chain=_spin_frame(chain, spin_axis),
+        points=Points(
+            position=position,
+            quaternion=np.array([quaternion_of(R) for R in turned]),
+            target_axes=np.ascontiguousarray(turned.transpose(0, 2, 1)),
+            rows=_rows(rows, k),
+            u=_array("u", u, (k, 6)),
+            index_weight=_array("index_weight", index_weight, (k,), 1.0),
+            linear=_array("linear", linear, (k, n)),
+            link_weight=np.append(_array("link_weight", link_weight, (k - 1,)), 0.0),
+            end_weight=np.array(
+                [
+                    0.0 if before is None else float(before_weight),
+                    0.0 if after is None else float(after_weight),
+                ]
+            ),
+        ),
         index_kind=kind,
         calls=calls,
         task_scale=np.sqrt(weights),
         joint_weights=_array("joint_weights", index.joint_weights, (n,), 1.0),
         centre=0.5 * (low + high),
         centre_weight=index.joint_centre / half**2,
-        position=position,
-        quaternion=np.array([quaternion_of(R) for R in turned]),
-        target_axes=np.ascontiguousarray(turned.transpose(0, 2, 1)),
-        rows=_rows(rows, k),
-        u=_array("u", u, (k, 6)),
-        index_weight=_array("index_weight", index_weight, (k,), 1.0),
-        linear=_array("linear", linear, (k, n)),
         lower=low,
         upper=high,
         fixed=fixed,
-        link_weight=_array("link_weight", link_weight, (k - 1,)),
         metric=_array("metric", metric, (n,), 1.0),
         end=np.stack([_array("before", before, (n,)), _array("after", after, (n,))]),
-        end_weight=np.array(
-            [
-                0.0 if before is None else float(before_weight),
-                0.0 if after is None else float(after_weight),
-            ]
-        ),
         inequality=np.zeros((0, 12)),
     )
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.engine.compiled import compiled, copy_row
 from dualarm_pin.engine.kinematics import (
     constraint_jacobian,
     place_chain,
@@ -39,10 +39,10 @@ def _restore_point(
         if square < tolerance * tolerance:
             return
         _jacobian(problem, work, i, q, jacobian)
-        _hold_at_bounds(problem, q, residual, jacobian, problem.rows[i])
+        _hold_at_bounds(problem, q, residual, jacobian, problem.points.rows[i])
         better = False
         for _ in range(_TRIES):
-            if _damped_row_step(work, i, problem.rows[i], damping, jacobian, residual):
+            if _damped_row_step(work, i, problem.points.rows[i], damping, jacobian, residual):
                 for k in range(n):
                     margin = _MARGIN * (problem.upper[k] - problem.lower[k])
                     moved = q[k] - work.normal[i, k]
@@ -52,8 +52,8 @@ def _restore_point(
                 trial_square = _residual(problem, work, i, trial, trial_residual)
                 better = trial_square < square
             if better:
-                q[:] = trial
-                residual[:] = trial_residual
+                copy_row(trial, q)
+                copy_row(trial_residual, residual)
                 square = trial_square
                 damping = max(_DAMPING_LESS * damping, _DAMPING_MIN)
                 break
@@ -66,10 +66,10 @@ def _restore_point(
 def _residual(problem: Problem, work: Workspace, i: int, q: Floats, residual: Floats) -> float:
     """Fill the residual of point i and return its square."""
     p, Q = place_chain(problem.chain, q, work.scratch.w, work.scratch.v)
-    pose_residual(p, Q, problem.position[i], problem.quaternion[i], residual)
+    pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], residual)
     square = 0.0
     for r in range(6):
-        if r >= problem.rows[i]:
+        if r >= problem.points.rows[i]:
             residual[r] = 0.0
         square += residual[r] * residual[r]
     return square
@@ -80,8 +80,8 @@ def _jacobian(problem: Problem, work: Workspace, i: int, q: Floats, jacobian: Fl
     """Fill the Jacobian of point i at q."""
     scratch = work.scratch
     p, Q = place_chain(problem.chain, q, scratch.w, scratch.v)
-    error = pose_residual(p, Q, problem.position[i], problem.quaternion[i], work.row)
-    rotation_rows(error, problem.target_axes[i], scratch.B)
+    error = pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], work.row)
+    rotation_rows(error, problem.points.target_axes[i], scratch.B)
     constraint_jacobian(problem.chain, scratch.w, scratch.v, scratch.B, jacobian)
 
 

@@ -20,7 +20,7 @@ from dualarm_pin.engine.interior_point import (
     STALLED,
     Settings,
 )
-from dualarm_pin.engine.layout import Problem
+from dualarm_pin.engine.layout import Problem, new_workspace, room_for_window
 from dualarm_pin.engine.problem_data import problem_data
 from dualarm_pin.errors import InputError, ShapeError
 
@@ -224,7 +224,7 @@ def solve_batch(
         InputError: A start is not finite, or a window leaves the path.
     """
     array = np.array(starts, dtype=np.float64, order="C")
-    k, n = len(data.position), len(data.lower)
+    k, n = len(data.points.position), len(data.lower)
     if array.ndim != 3 or array.shape[2] != n or not 1 <= array.shape[1] <= k:
         raise ShapeError(f"has shape {array.shape}, not (s, k <= {k}, {n})", field="starts")
     _refuse_not_finite("starts", array)
@@ -286,7 +286,21 @@ def evaluate(data: Problem, q: ArrayLike, y: ArrayLike | None = None) -> Evaluat
     at = _start("q", q, data)
     shape = (len(at), 6)
     multipliers = np.zeros(shape) if y is None else _shaped("y", y, shape)
-    return Evaluation(*entries.evaluate(data, at, multipliers))
+    k, n = at.shape
+    work = new_workspace(k, len(data.chain.kind), n)
+    values, J_r = np.zeros(k), np.zeros((k, 6, n))
+    total = entries.evaluate(data, work, at, multipliers, values, J_r)
+    return Evaluation(
+        objective=total,
+        values=values,
+        residual=work.residual,
+        jacobian=work.jacobian,
+        gradient=work.gradient,
+        hessian=work.hessian,
+        link=work.link,
+        stiffness=work.stiffness,
+        J_r=J_r,
+    )
 
 
 class _Rows:
@@ -304,8 +318,11 @@ class _Rows:
 
     def run(self, items: Integers, settings: Settings, keep_multipliers: bool = False) -> None:
         """Solve some rows in this thread."""
+        _, k, n = self.q.shape
         entries.solve_items(
-            self.data,
+            self.data._replace(points=room_for_window(self.data.points, k)),
+            self.data.points,
+            new_workspace(k, len(self.data.chain.kind), n),
             settings,
             keep_multipliers,
             items,
@@ -351,7 +368,7 @@ class _Rows:
 
 
 def _start(name: str, value: ArrayLike, data: Problem) -> Floats:
-    return _shaped(name, value, (len(data.position), len(data.lower)))
+    return _shaped(name, value, (len(data.points.position), len(data.lower)))
 
 
 def _shaped(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
