@@ -84,7 +84,7 @@ class Path:
         _refuse_repeated(x, R)
         t = through(x) if tangent is None else finite(tangent, "tangent", (h, 3))
         t = t / lengths(t, "tangent")[:, None]
-        s = chords(x) if arc_length is None else finite(arc_length, "arc_length", (h,))
+        s = _chords(x) if arc_length is None else finite(arc_length, "arc_length", (h,))
         if s[0] != 0.0 or np.any(np.diff(s) < 0.0):
             raise InputError("arc lengths must rise from 0", field="arc_length")
         values = {
@@ -174,7 +174,7 @@ def through(position: Array) -> Array:
     Raises:
         InputError: All points coincide.
     """
-    s, which = np.unique(chords(position), return_inverse=True)
+    s, which = np.unique(_chords(position), return_inverse=True)
     if len(s) < 2:
         raise InputError(
             "all points coincide: the path has no length and no tangent", field="position"
@@ -188,8 +188,7 @@ def through(position: Array) -> Array:
     return np.where(still[:, None], ahead, tangent)[which]
 
 
-def chords(position: Array) -> Array:
-    """Return the sum of the chords up to each point, shape (h,) [m]."""
+def _chords(position: Array) -> Array:
     steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
     steps[steps <= TOLERANCE.coincident] = 0.0
     return np.concatenate([[0.0], np.cumsum(steps)])

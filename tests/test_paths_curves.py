@@ -249,9 +249,9 @@ def test_free_components():
 
 
 REFUSED = [
-    (lambda: paths.circle(-0.1, points=9), "radius: a number above 0 is expected; given -0.1"),
-    (lambda: paths.circle(math.nan, points=9), "radius: a number above 0 is expected; given nan"),
-    (lambda: paths.circle(0.1, turns=0, points=9), "turns: a number other than 0 is expected"),
+    (lambda: paths.circle(-0.1, points=9), r"radius: a number above 0 .* is expected; given -0.1"),
+    (lambda: paths.circle(math.nan, points=9), r"radius: a number above 0 .*; given nan"),
+    (lambda: paths.circle(0.1, turns=0, points=9), "turns: a number other than 0"),
     (lambda: paths.circle(0.1, center=(0, 0, 0), points=9), r"center: shape \(2\) is expected"),
     (lambda: paths.circle(0.1, height=math.inf, points=9), "height: the values are not finite"),
     (lambda: paths.circle(0.1, points=9, step=0.1), "points: give one of .*: both are given"),
@@ -259,8 +259,11 @@ REFUSED = [
     (lambda: paths.circle(0.1, points=1), "points: .*0 corners needs 2 points or more; given 1"),
     (lambda: paths.circle(0.1, step=-1.0), "step: a length above 0 is expected; given -1"),
     (lambda: paths.circle(0.1, step=math.nan), "step: a length above 0 is expected; given nan"),
+    (lambda: paths.circle(1e308, points=9), r"radius: a number above 0 \(and up to 1e\+06\)"),
+    (lambda: paths.circle(0.1, step=1e-12), "step: .* gives more than 1000000 points"),
+    (lambda: paths.dome_spiral(0.1, turns=1e5, points=9), "more turns or periods than any path"),
     (lambda: paths.raster(0.2, 0.1, 4, points=5), "points: .* 6 corners needs 8 points or more"),
-    (lambda: paths.raster(0.2, 0.1, 1, points=5), "rows: 2 rows or more are expected; given 1"),
+    (lambda: paths.raster(0.2, 0.1, 1, points=5), "rows: 2 to 10000 rows are expected; given 1"),
     (lambda: paths.raster(0.2, 0.1, 5, fillet=0.02, points=50), "largest that fits .* 0.0125 m"),
     (lambda: paths.arc_path(0.1, 1.0, 1.0, points=5), "stop: the arc has no length"),
     (lambda: paths.sine(0.2, periods=0, points=5), "periods: a number above 0"),

@@ -10,6 +10,7 @@ import pytest
 
 from dualarm_pin import paths
 from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.path import Path
 
 HEAD = "x,y,z,qw,qx,qy,qz\n"
 HALF = math.sqrt(0.5)
@@ -113,7 +114,7 @@ P = "0,0,0,1,0,0,0\n"
 CSV_REFUSED = [
     ("", r"part.txt: the file is empty: a header is expected, such as x,y,z,qw"),
     ("\n\n# only this\n", "the file is empty"),
-    (HEAD, r"part.txt:1: a path needs 2 points or more; given 0"),
+    (HEAD, r"part.txt: a path needs 2 points or more; given 0"),
     (HEAD + P, r"part.txt:2: a path needs 2 points or more; given 1"),
     ("x,y,zz\n", r"part.txt:1: unknown column 'zz': did you mean 'z'"),
     ("x;y;z\n0;0;0\n", r"part.txt:1: unknown column 'x;y;z': .*separated by commas"),
@@ -131,6 +132,7 @@ CSV_REFUSED = [
     (HEAD + P + "1,0,0,1,0,1,0\n", "part.txt:3: qw: the quaternion has length 1.41421, and 1"),
     (HEAD + P + "\n" + P, "part.txt:4: the same point as in line 2: remove one"),
     ("x,y,z,ux,uy,uz\n0,0,0,1,0,0\n1,0,0,0,0,0\n", "part.txt:3: ux: the direction is zero"),
+    ("x,y,z\n" + "1" * 200_000 + ",0,0\n", "part.txt:2: not a CSV file: field larger"),
     (b"x,y,z\n\xff\xfe\x00\n", "part.txt:2: 3 values are expected"),
 ]
 
@@ -159,6 +161,21 @@ def test_missing_file(tmp_path, read):
         read(tmp_path / "none.txt")
     with pytest.raises(MissingFileError, match="directory"):
         read(tmp_path)
+
+
+def test_resample_keeps_what_the_points_say(write):
+    path = paths.circle(0.3, points=121, orientation="tangent", free=["spin"] * 61 + ["none"] * 60)
+    for smooth, near in ((False, 1e-3), (True, 1e-6)):
+        again = paths.resample(path, points=241, smooth=smooth)
+        np.testing.assert_allclose(np.hypot(*again.position[:, :2].T), 0.3, atol=near)
+        np.testing.assert_array_equal(again.u[:, :3], again.tangent)
+        np.testing.assert_allclose(again.rotation[::2], path.rotation, atol=1e-5)
+        np.testing.assert_array_equal(again.rows, [5] * 122 + [6] * 119)
+    up = paths.resample(path.with_direction([0, 0, 1]), step=0.01)
+    np.testing.assert_array_equal(up.u, [[0, 0, 1, 0, 0, 0]] * up.h)
+    turning = Path(path.position[[0, 1, 1]], path.rotation[[0, 1, 2]])
+    with pytest.raises(InputError, match="the tool turns on the spot at points 2 and 3"):
+        paths.resample(turning, points=9)
 
 
 # G-code --------------------------------------------------------------------------------------
@@ -230,6 +247,11 @@ def test_gcode_helical_arc_inches_and_offset(write):
     np.testing.assert_allclose(path.position[:, 2], 0.3 + np.linspace(0, 0.0127, 41), atol=1e-12)
 
 
+def test_gcode_dwell_extruder_and_skipped_blocks(write):
+    path = paths.read_gcode(write("G1 X10 E0.5\nG4 X2\n/G1 X20 F100\n"), points=3)
+    np.testing.assert_allclose(path.position[:, 0], [0, 0.01, 0.02])
+
+
 def test_gcode_stretches_and_rapids(write):
     file = write("G0 X0\nG1 X10\nG0 Y5\nG1 X0\n")
     with pytest.raises(InputError, match=r"part.txt:4: .* 2 stretches, which start in lines 2, 4"):
@@ -259,6 +281,10 @@ GCODE_REFUSED = [
     ("G1 X[1+2]\n", r"part.txt:1: cannot read 'X\[1\+2\]'"),
     ("G1 X\n", "part.txt:1: cannot read 'X'"),
     ("G1 Xnan\n", "part.txt:1: cannot read 'Xnan'"),
+    ("G1 X1e-5\n", "part.txt:1: a number such as 1e-5 is not G-code"),
+    ("G1 X1\nM98 P100\n", "part.txt:2: M98 is not supported: write subprograms out"),
+    ("G0 G1 X1\n", "part.txt:1: two motions in one block: G0 G1"),
+    ("G3 X0 Y0 I5 P3\n", "part.txt:1: an arc of several turns"),
     ("hello world\n", "part.txt:1: cannot read 'hello world'"),
     ("G54\nG1 X1\nG55\n", "part.txt:3: G55 after G54: only one work offset"),
     ("G1 X1 I2\n", "part.txt:1: I, J, K and R belong to an arc, not to G1"),

@@ -69,7 +69,7 @@ class CornerSpec(Spec):
     side: float = 0.15
     fillet: float = 0.01
     height: float = 0.3
-    points: list[int] | Count | None = None
+    points: list[Annotated[int, Field(ge=0, le=1_000_000)]] | Count | None = None
     step: Positive | None = None
 
     @model_validator(mode="after")

@@ -7,6 +7,7 @@ from dualarm_pin.paths.gcode import read_gcode
 from dualarm_pin.paths.load import load_path
 from dualarm_pin.paths.planar import arc_path, circle, corner, raster
 from dualarm_pin.paths.polyline import polyline
+from dualarm_pin.paths.resample import resample
 from dualarm_pin.paths.spatial import helix, spline
 from dualarm_pin.paths.surface import dome_spiral, tube_seam
 from dualarm_pin.paths.waves import figure_eight, sine
@@ -25,6 +26,7 @@ __all__ = [
     "read_apt",
     "read_csv",
     "read_gcode",
+    "resample",
     "sine",
     "spline",
     "tube_seam",

@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import csv
-import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path as FilePath
 from typing import Unpack
 
@@ -15,10 +14,10 @@ import pinocchio as pin
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.path import Path, coincident
-from dualarm_pin.paths.curve import Piece, as_given, at_arc_length, line, sample
+from dualarm_pin.paths.curve import Samples
 from dualarm_pin.paths.follow import Hold, hold
 from dualarm_pin.paths.moves import read_text
-from dualarm_pin.paths.spatial import spline_pieces
+from dualarm_pin.paths.resample import resample
 from dualarm_pin.tolerance import TOLERANCE
 
 _POSITION = ("x", "y", "z")
@@ -62,22 +61,35 @@ def read_csv(
                 raise InputError(message, file=file, line=1)
     rotation = _rotations(columns, file, lines)
     u = _directions(columns, file, lines)
-    still = np.broadcast_to(np.eye(3), (len(position), 3, 3))
-    for i in coincident(position, still if rotation is None else rotation)[:1]:
+    given = _given(position, rotation, u, file, lines)
+    if smooth or points is not None or step is not None:
+        _refuse_turning(position, file, lines)
+        given = resample(given, points=points, step=step, smooth=smooth)
+    return hold(
+        Samples(given.position, given.tangent, given.arc_length, None),
+        FilePath(file).stem,
+        how,
+        rotation=None if rotation is None else given.rotation,
+        u=None if u is None else given.u,
+    )
+
+
+def _given(
+    position: Array,
+    rotation: Array | None,
+    u: Array | None,
+    file: str | FilePath,
+    lines: list[int],
+) -> Path:
+    """Return the path as the file has it, with any rotation where it has none."""
+    R = np.broadcast_to(np.eye(3), (len(position), 3, 3)) if rotation is None else rotation
+    for i in coincident(position, R)[:1]:
         message = f"the same point as in line {lines[i]}: remove one of them"
         raise InputError(message, file=file, line=lines[i + 1])
-    if smooth or points is not None or step is not None:
-        pieces = _pieces(position, smooth, file, lines)
-        knots = np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
-        if points is None and step is None:
-            samples = at_arc_length(pieces, knots)
-        else:
-            samples = sample(pieces, points=points, step=step)
-            rotation = None if rotation is None else _turned(rotation, knots, samples.arc_length)
-            u = None if u is None else _between(u, knots, samples.arc_length)
-    else:
-        samples = as_given(position)
-    return hold(samples, FilePath(file).stem, how, rotation=rotation, u=u)
+    try:
+        return Path(position, R, u=u)
+    except InputError as error:
+        raise InputError(error.message, file=file, field=error.field) from error
 
 
 def _read(file: str | FilePath) -> tuple[dict[str, Array], list[int]]:
@@ -85,25 +97,34 @@ def _read(file: str | FilePath) -> tuple[dict[str, Array], list[int]]:
     header: list[str] = []
     values: list[list[float]] = []
     lines: list[int] = []
-    reader = csv.reader(read_text(file).splitlines())
-    for row in reader:
-        cells = [cell.strip() for cell in row]
-        if not any(cells) or cells[0].startswith("#"):
-            continue
-        if not header:
+    for number, cells in _rows(file):
+        if header:
+            values.append(_numbers(cells, header, file, number))
+            lines.append(number)
+        else:
+            _check_header(cells, file, number)
             header = cells
-            _check_header(header, file, reader.line_num)
-            continue
-        values.append(_numbers(cells, header, file, reader.line_num))
-        lines.append(reader.line_num)
     if not header:
         message = f"the file is empty: a header is expected, such as {','.join(_COLUMNS[:7])}"
         raise InputError(message, file=file)
     if len(values) < 2:
         message = f"a path needs 2 points or more; given {len(values)}"
-        raise InputError(message, file=file, line=reader.line_num)
+        raise InputError(message, file=file, line=lines[-1] if lines else None)
     table = np.array(values)
     return {name: table[:, k] for k, name in enumerate(header)}, lines
+
+
+def _rows(file: str | FilePath) -> Iterator[tuple[int, list[str]]]:
+    """Yield the line and the cells of each row that says something."""
+    reader = csv.reader(read_text(file).splitlines())
+    try:
+        for row in reader:
+            cells = [cell.strip() for cell in row]
+            if any(cells) and not cells[0].startswith("#"):
+                yield reader.line_num, cells
+    except csv.Error as error:
+        message = f"not a CSV file: {error}"
+        raise InputError(message, file=file, line=reader.line_num) from error
 
 
 def _check_header(header: list[str], file: str | FilePath, line_number: int) -> None:
@@ -173,24 +194,8 @@ def _directions(columns: dict[str, Array], file: str | FilePath, lines: list[int
     return u
 
 
-def _pieces(position: Array, smooth: bool, file: str | FilePath, lines: list[int]) -> list[Piece]:
+def _refuse_turning(position: Array, file: str | FilePath, lines: list[int]) -> None:
     apart = np.linalg.norm(np.diff(position, axis=0), axis=1) > TOLERANCE.coincident
     for i in np.flatnonzero(~apart)[:1]:
         message = f"the tool turns on the spot since line {lines[i]}: such a path is not resampled"
         raise InputError(message, file=file, line=lines[i + 1])
-    if smooth:
-        return spline_pieces(position, "position")
-    return [line(start, stop) for start, stop in itertools.pairwise(position)]
-
-
-def _turned(rotation: Array, knots: Array, s: Array) -> Array:
-    """Return the rotations between the given ones, by the shortest turn, at arc lengths `s`."""
-    from scipy.spatial.transform import Rotation, Slerp
-
-    between = Slerp(knots, Rotation.from_matrix(rotation))
-    return np.asarray(between(np.clip(s, 0.0, knots[-1])).as_matrix())
-
-
-def _between(u: Array, knots: Array, s: Array) -> Array:
-    """Return the directions between the given ones, with the lengths between theirs."""
-    return np.column_stack([np.interp(s, knots, column) for column in u.T])

@@ -12,7 +12,6 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
-from dualarm_pin.path import chords, through
 
 Along = Callable[[Array], Array]
 """A function of the parameter t in [0, 1], shape (k,), with values of shape (k, 3)."""
@@ -20,6 +19,7 @@ Along = Callable[[Array], Array]
 SHARP = math.radians(20.0)
 """A curve that turns by more at one place has a corner there, and the corner gets a point."""
 
+_MOST = 1_000_000  # points; more is a slip of the pen
 _PANELS = 64
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
@@ -195,11 +195,6 @@ def at_arc_length(pieces: Sequence[Piece], s: Array) -> Samples:
     return Samples(position, tangent, s, normal if surface else None)
 
 
-def as_given(position: Array) -> Samples:
-    """Return the points themselves, with tangents by differences and the chords as arc length."""
-    return Samples(position, through(position), chords(position), None)
-
-
 def _starts(pieces: Sequence[Piece]) -> Array:
     """Return the arc length at the start of each piece and at the end."""
     return np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
@@ -210,7 +205,11 @@ def _share(stretches: Array, points: int | None, step: float | None) -> list[int
     if step is not None:
         if not step > 0.0:
             raise InputError(f"a length above 0 is expected; given {step}", field="step")
-        return [max(1, math.ceil(length / step - 1e-9)) for length in stretches]
+        intervals = [max(1.0, np.ceil(length / step - 1e-9)) for length in stretches]
+        if not sum(intervals) < _MOST:
+            message = f"a step of {step:g} m gives more than {_MOST} points: take a larger one"
+            raise InputError(message, field="step")
+        return [int(n) for n in intervals]
     if points is None or points < len(stretches) + 1:
         needed = f"this curve with {len(stretches) - 1} corners needs {len(stretches) + 1}"
         raise InputError(f"{needed} points or more; given {points}", field="points")

@@ -36,6 +36,8 @@ _NO_MOTION = {"G4", "G40", "G43", "G49", "G61", "G61.1", "G64", "G80", "G91.1"} 
     f"G{n}" for n in range(93, 100)
 }
 _SILENT = set("FSTNMHDPQEO")
+_CALLS = {96.0, 97.0, 98.0, 99.0}
+_EXPONENT = re.compile(r"\d[eE][+-]?\d")
 _ARC_RADIUS = 5e-5  # start and end radius may differ by the last digit written [m]
 
 
@@ -94,15 +96,23 @@ class _Machine:
         """Take in one line."""
         self.number = number
         values: dict[str, float] = {}
-        for letter, value in self._words(text):
+        words = self._words(text)
+        codes = [f"G{value:g}" for letter, value in words if letter == "G"]
+        if len(_MOTION & set(codes)) > 1:
+            raise self._error(f"two motions in one block: {' '.join(codes)}")
+        for letter, value in words:
             if letter == "G":
                 self._mode(f"G{value:g}")
             elif letter == "M":
+                if value in _CALLS:
+                    raise self._error(f"M{value:g} is not supported: write subprograms out")
                 self.ended |= value in (2.0, 30.0)
             elif letter in "XYZIJKR":
                 if letter in values:
                     raise self._error(f"{letter} is given twice in one block")
                 values[letter] = value * self.unit
+            elif letter == "P" and self.motion in ("G2", "G3") and value != 1.0:
+                raise self._error("an arc of several turns (P) is not supported: repeat the block")
             elif letter in "ABCUVW":
                 raise self._error(
                     f"the axis {letter} is not supported: G-code is read in three axes; give the "
@@ -110,14 +120,17 @@ class _Machine:
                 )
             elif letter not in _SILENT:
                 raise self._error(f"the word {letter}{value:g} is unknown")
-        if values:
+        # On some controls the X of a dwell is its time.
+        if values and "G4" not in codes:
             self._move(values)
 
     def _words(self, text: str) -> list[tuple[str, float]]:
         rest = _COMMENT.sub(" ", text).strip().removeprefix("/")
-        words = []
+        words: list[tuple[str, float]] = []
         if rest == "%":
-            return []
+            return words
+        if _EXPONENT.search(rest):
+            raise self._error("a number such as 1e-5 is not G-code; put a space before a word E")
         while rest:
             match = _WORD.match(rest)
             if match is None:

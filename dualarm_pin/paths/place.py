@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -13,28 +12,32 @@ from dualarm_pin.errors import InputError
 from dualarm_pin.paths.curve import Along, Piece, constant
 
 UP = np.array([0.0, 0.0, 1.0])
+_LARGEST = 1e6
+_MOST = 10_000
 
 
 def positive(**lengths: float) -> None:
-    """Refuse a value that is not above 0.
+    """Refuse a value that is not above 0, or absurdly large.
 
     Raises:
         InputError: The field is the name of the argument.
     """
     for name, value in lengths.items():
-        if not (value > 0.0 and math.isfinite(value)):
-            raise InputError(f"a number above 0 is expected; given {value:g}", field=name)
+        if not 0.0 < value <= _LARGEST:
+            message = f"a number above 0 (and up to {_LARGEST:g}) is expected; given {value:g}"
+            raise InputError(message, field=name)
 
 
 def not_zero(**values: float) -> None:
-    """Refuse 0 and what is not finite.
+    """Refuse 0 and what is absurdly large.
 
     Raises:
         InputError: The field is the name of the argument.
     """
     for name, value in values.items():
-        if value == 0.0 or not math.isfinite(value):
-            raise InputError(f"a number other than 0 is expected; given {value:g}", field=name)
+        if not 0.0 < abs(value) <= _LARGEST:
+            message = f"a number other than 0 (and up to {_LARGEST:g}) is expected; given {value:g}"
+            raise InputError(message, field=name)
 
 
 def middle(center: ArrayLike, height: float) -> Array:
@@ -48,7 +51,13 @@ def flat(piece: Piece) -> Piece:
 
 
 def spans(point: Along, derivative: Along, count: int, normal: Along | None = None) -> list[Piece]:
-    """Return a curve over t in [0, 1] as `count` pieces, each short enough for its quadrature."""
+    """Return a curve over t in [0, 1] as `count` pieces, each short enough for its quadrature.
+
+    Raises:
+        InputError: So many that it is a slip of the pen.
+    """
+    if count > _MOST:
+        raise InputError("more turns or periods than any path has: take fewer")
 
     def span(k: int) -> Piece:
         return Piece(

@@ -134,11 +134,11 @@ def raster(
         **how: See `Follow`.
 
     Raises:
-        InputError: A length that is not positive, fewer than 2 rows, or a fillet that is too large.
+        InputError: A length that is not positive, fewer than 2 rows, or a fillet too large.
     """
     positive(width=width, depth=depth)
-    if rows < 2:
-        raise InputError(f"2 rows or more are expected; given {rows}", field="rows")
+    if not 2 <= rows <= 10_000:
+        raise InputError(f"2 to 10000 rows are expected; given {rows}", field="rows")
     x = np.tile([-0.5, 0.5, 0.5, -0.5], rows)[: 2 * rows] * width
     y = np.repeat(np.linspace(-0.5, 0.5, rows), 2) * depth
     vertices = np.column_stack([x, y, np.zeros(2 * rows)]) + middle(center, height)
