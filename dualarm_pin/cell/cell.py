@@ -135,6 +135,15 @@ class Cell:
         """Upper bounds (n,) [rad or m], read-only."""
         return read_only([joint.upper for joint in self.joints])
 
+    @property
+    def locked(self) -> dict[str, float]:
+        """Joints that stand still, `arm1/<name>`, and where [rad or m]."""
+        return {
+            placed.joint(name): value
+            for placed in self._robots
+            for name, value in placed.settled.values.items()
+        }
+
     @cached_property
     def same_order(self) -> bool:
         """Whether Pinocchio's q is q itself: `joint_map` is the identity, without offset."""

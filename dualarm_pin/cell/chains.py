@@ -118,12 +118,14 @@ def _refuse_one_arm(
     robot: Robot, tips: tuple[str, str], moving: Mapping[Owner, tuple[UrdfJoint, ...]]
 ) -> None:
     """Refuse tips of which one carries the other, unless one of them stands still anyway."""
-    for arm, tip, other in (("arm1", *tips), ("arm2", *tips[::-1])):
-        others = moving["arm2" if arm == "arm1" else "arm1"]
-        if moving["arm1" if arm == "arm1" else "arm2"] or (others and not moving["common"]):
+    cases: tuple[tuple[Owner, Owner, str, str], ...] = (
+        ("arm1", "arm2", tips[0], tips[1]),
+        ("arm2", "arm1", tips[1], tips[0]),
+    )
+    for own, others, tip, other in cases:
+        if moving[own] or (moving[others] and not moving["common"]):
             continue
         raise InputError(
             f"both tips lie on one arm: every joint that moves {tip!r} moves {other!r} with it; "
-            "choose one tip on each arm",
-            file=robot.file,
+            "choose one tip on each arm"
         )

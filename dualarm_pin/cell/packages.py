@@ -7,6 +7,7 @@ AMENT_PREFIX_PATH are never read: the same files must give the same cell on ever
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
 from importlib.metadata import PackageNotFoundError, distribution
@@ -35,7 +36,7 @@ def find_file(name: str, folder: Path, package_dirs: Sequence[Path] = ()) -> Pat
     for candidate in _candidates(name, folder, package_dirs):
         try:
             if candidate.is_file():
-                return candidate
+                return _plain(candidate)
         except (OSError, ValueError):  # name too long, embedded NUL
             continue
         if len(tried) < 4:
@@ -49,6 +50,12 @@ def find_file(name: str, folder: Path, package_dirs: Sequence[Path] = ()) -> Pat
     where = ", ".join(tried) or "nowhere"
     hint = "; add the folder that holds the package to package_dirs" if package else ""
     raise MissingFileError(f"no such file: {name} (looked for {where}){hint}")
+
+
+def _plain(path: Path) -> Path:
+    """Return `path` without `..`, unless a symbolic link gives them another meaning."""
+    plain = Path(os.path.normpath(path))
+    return plain if plain.exists() and plain.samefile(path) else path
 
 
 @lru_cache(maxsize=1)

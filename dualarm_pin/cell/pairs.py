@@ -98,12 +98,13 @@ def _drop_constant(
     configurations: np.ndarray,
 ) -> tuple[str, ...]:
     geometry = bodies.model
-    pairs = list(geometry.collisionPairs)
+    # Plain numbers: the pairs themselves are views that shift when one is removed.
+    pairs = [(pair.first, pair.second) for pair in geometry.collisionPairs]
     judged = [
         k
-        for k, pair in enumerate(pairs)
-        if body[bodies.links[pair.first]][0] == body[bodies.links[pair.second]][0]
-        and body[bodies.links[pair.first]][0] not in described
+        for k, (i, j) in enumerate(pairs)
+        if body[bodies.links[i]][0] == body[bodies.links[j]][0]
+        and body[bodies.links[i]][0] not in described
     ]
     if not judged or not len(configurations):
         return ()
@@ -115,8 +116,8 @@ def _drop_constant(
     constant = [k for k in judged if hits[k] >= _ALWAYS * len(configurations)]
     names: dict[str, None] = {}
     for k in constant:
-        pair = pairs[k]
-        geometry.removeCollisionPair(pair)
-        first, second = sorted((bodies.links[pair.first], bodies.links[pair.second]))
+        i, j = pairs[k]
+        geometry.removeCollisionPair(pin.CollisionPair(i, j))
+        first, second = sorted((bodies.links[i], bodies.links[j]))
         names[f"{first} and {second} touch in nearly every posture: not checked"] = None
     return tuple(names)

@@ -39,10 +39,7 @@ class Loader:
         try:
             path = find_file(name, self.folder, self.package_dirs)
         except InputError as error:
-            blamed = self.blame(error.message, keys)
-            raise type(error)(
-                blamed.message, file=blamed.file, line=blamed.line, field=blamed.field
-            ) from error
+            raise _placed(error, self.blame, keys) from error
         return path
 
     def note(self, path: Path, raw: bytes) -> None:
@@ -99,7 +96,11 @@ def _read_both(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
     robot = loader.robot(spec.urdf or "", spec.xacro, ("urdf",))
     srdf = loader.srdf(spec.srdf, robot, ("srdf",))
     tips = tuple(_tip(loader, robot, srdf, arm) for arm in ARMS)
-    return {"both": twin_chains(robot, (tips[0], tips[1]))}, {} if srdf is None else {"both": srdf}
+    try:
+        chains = twin_chains(robot, (tips[0], tips[1]))
+    except InputError as error:
+        raise _placed(error, blame, ("arms",)) from error
+    return {"both": chains}, {} if srdf is None else {"both": srdf}
 
 
 def _read_each(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
@@ -147,9 +148,12 @@ def _tip(loader: Loader, robot: Robot, srdf: Srdf | None, arm: str) -> str:
             raise loader.blame(f"give the link that carries the tool; at the ends: {ends}", keys)
         return find_tip(robot, own.tip)
     except InputError as error:
-        if error.field is not None:
-            raise
-        blamed = loader.blame(error.message, keys)
-        raise type(error)(
-            blamed.message, file=blamed.file, line=blamed.line, field=blamed.field
-        ) from error
+        raise _placed(error, loader.blame, keys) from error
+
+
+def _placed(error: InputError, blame: Blame, keys: Sequence[str]) -> InputError:
+    """Return an error with the keys at fault, unless it names its own place."""
+    if error.file is not None or error.field is not None:
+        return error
+    place = blame(error.message, keys)
+    return type(error)(place.message, file=place.file, line=place.line, field=place.field)

@@ -6,6 +6,7 @@ line. Pydantic models then check names, types and ranges; all mistakes are repor
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -19,6 +20,7 @@ from dualarm_pin.errors import InputError, MissingFileError, nearest
 
 SpecT = TypeVar("SpecT", bound="Spec")
 Key = str | int
+_MOST_VALUES = 1_000_000
 _LARGEST = 20_000_000  # bytes; a YAML file beyond this is a mistake
 
 
@@ -99,10 +101,23 @@ def parse_yaml(raw: bytes | str, path: str | Path) -> Source:
         raise InputError(f"not valid YAML: {reason}", file=path, line=line) from error
     except (YAMLError, ValueError, RecursionError) as error:
         raise InputError(f"not valid YAML: {str(error).splitlines()[0]}", file=path) from error
+    if _size(data, {}) > _MOST_VALUES:
+        raise InputError("its aliases unfold to too many values, or to themselves", file=path)
     if not isinstance(data, dict):
         given = "an empty file" if data is None else f"a {type(data).__name__}"
         raise InputError(f"{given} where keys and values are expected", file=path, line=1)
     return Source(path, data)
+
+
+def _size(node: Any, known: dict[int, float]) -> float:
+    """Return how many values a node unfolds to; infinite for one that holds itself."""
+    if not isinstance(node, dict | list):
+        return 1
+    if id(node) not in known:
+        known[id(node)] = math.inf  # until it is counted, so that a circle shows
+        parts = node.values() if isinstance(node, dict) else node
+        known[id(node)] = 1 + sum(_size(part, known) for part in parts)
+    return known[id(node)]
 
 
 def check(source: Source, spec: type[SpecT], keys: Sequence[Key] = ()) -> SpecT:
@@ -168,6 +183,9 @@ def _mistake(
     if kind == "extra_forbidden":
         known = _known_keys(spec, location[:-1])
         message = f"unknown key: {nearest(str(keys[-1]), known)}"
+    elif kind == "missing" and isinstance(location[-1], int):
+        keys.pop()
+        message = f"too few values; given {given!r}"
     elif kind == "missing":
         message = "this key is missing"
     else:

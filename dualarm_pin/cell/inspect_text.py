@@ -1,0 +1,96 @@
+"""A `CellReport` as a plain table."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from dualarm_pin.cell.nouns import Joint
+
+if TYPE_CHECKING:
+    from dualarm_pin.cell.inspect import ArmReport, CellReport
+
+_DEG = 180.0 / math.pi
+_SHOWN = 12  # lines of a list that can be very long
+
+
+def text_of(report: CellReport) -> str:
+    """Return what `CellReport.as_text` returns."""
+    blocks = [f"Cell {report.name}: {len(report.joints)} joints"]
+    blocks += [_arm(arm) for arm in report.arms]
+    blocks.append(_joints(report.joints))
+    if report.locked:
+        locked = [f"{name} = {value:g}" for name, value in report.locked.items()]
+        blocks.append(_list(f"Locked joints ({len(locked)}) [rad or m]", locked))
+    ranks = ", ".join(f"{rank} at {share:.0%}" for rank, share in report.ranks.items())
+    blocks.append(
+        f"Rank of J_r over {report.postures} random postures: {ranks} "
+        f"(median of the smallest singular value {report.smallest_singular_value:.3g})"
+    )
+    blocks.append(_collision(report))
+    if report.warnings:
+        blocks.append(_list(f"Warnings ({len(report.warnings)})", list(report.warnings)))
+    return "\n\n".join(blocks)
+
+
+def _arm(arm: ArmReport) -> str:
+    lines = [f"{arm.name}: {arm.urdf or 'a frame that stands still'}"]
+    if arm.urdf is not None:
+        lines.append(f"  {arm.root} -> {arm.tip}, {arm.joints} joints")
+    lines.append(f"  base at {_vector(arm.base_xyz)} m, rpy {_vector(arm.base_rpy_deg)} deg")
+    if any(arm.tool_xyz) or any(arm.tool_rpy_deg):
+        lines.append(
+            f"  tool at {_vector(arm.tool_xyz)} m, rpy {_vector(arm.tool_rpy_deg)} deg in the tip"
+        )
+    lines.append(f"  tool axis {_vector(arm.tool_axis)} in the tip")
+    if arm.reach is not None:
+        lines.append(f"  reach {arm.reach:.3f} m from its first joint")
+    return "\n".join(lines)
+
+
+def _joints(joints: Sequence[Joint]) -> str:
+    rows = [("joint", "type", "lower", "upper", "unit", "speed")]
+    for joint in joints:
+        turns = joint.kind == "revolute"
+        scale, unit = (_DEG, "deg") if turns else (1.0, "m")
+        kind = "continuous" if joint.continuous else joint.kind
+        speed = "unknown" if joint.velocity is None else f"{joint.velocity * scale:.6g} {unit}/s"
+        lower, upper = (f"{bound * scale:.6g}" for bound in (joint.lower, joint.upper))
+        rows.append((joint.name, kind, lower, upper, unit, speed))
+    widths = [max(len(row[column]) for row in rows) for column in range(6)]
+    lines = []
+    for row in rows:
+        cells = [
+            text.rjust(width) if column in (2, 3) else text.ljust(width)
+            for column, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
+        lines.append("  ".join(cells).rstrip())
+    return "\n".join(lines)
+
+
+def _collision(report: CellReport) -> str:
+    collision = report.collision
+    lines = [f"Collision: {collision.bodies} bodies, {collision.pairs} pairs checked"]
+    if collision.free_share is not None:
+        lines.append(f"  {collision.free_share:.0%} of the random postures are free of collision")
+    elif collision.missing:
+        lines.append("  clearance is unknown: bodies are missing")
+    else:
+        lines.append("  clearance is unknown: no two bodies can be compared")
+    text = "\n".join(lines)
+    for title, items in (("missing", collision.missing), ("not checked", collision.dropped)):
+        if items:
+            text += "\n  " + _list(title, items).replace("\n", "\n  ")
+    return text
+
+
+def _list(title: str, items: Sequence[str]) -> str:
+    shown = [f"  {item}" for item in items[:_SHOWN]]
+    if len(items) > _SHOWN:
+        shown.append(f"  ... and {len(items) - _SHOWN} more (all with --json)")
+    return "\n".join([f"{title}:", *shown])
+
+
+def _vector(values: Sequence[float]) -> str:
+    return "(" + ", ".join(f"{value:.6g}" for value in values) + ")"
