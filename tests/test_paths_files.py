@@ -283,6 +283,7 @@ GCODE_REFUSED = [
     ("G1 Xnan\n", "part.txt:1: cannot read 'Xnan'"),
     ("G1 X1e-5\n", "part.txt:1: a number such as 1e-5 is not G-code"),
     ("G1 X1\nM98 P100\n", "part.txt:2: M98 is not supported: write subprograms out"),
+    ("G1 X" + "9" * 400 + "\n", r"part.txt:1: 9+\.\.\. is too long for a number"),
     ("G0 G1 X1\n", "part.txt:1: two motions in one block: G0 G1"),
     ("G3 X0 Y0 I5 P3\n", "part.txt:1: an arc of several turns"),
     ("hello world\n", "part.txt:1: cannot read 'hello world'"),

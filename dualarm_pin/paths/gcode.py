@@ -136,6 +136,8 @@ class _Machine:
             if match is None:
                 message = f"cannot read {rest[:20]!r}: words such as X1.5 are expected; variables"
                 raise self._error(message + " and expressions are not supported")
+            if len(match[2]) > 30:
+                raise self._error(f"{match[2][:20]}... is too long for a number")
             words.append((match[1].upper(), float(match[2])))
             rest = rest[match.end() :].strip()
         # The units of a block hold for all of it, wherever they stand.
