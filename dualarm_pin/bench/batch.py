@@ -1,0 +1,143 @@
+"""Run a suite into a folder: log, trajectories, tables, report, gates."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+
+from dualarm_pin.bench import cluster
+from dualarm_pin.bench.best import Keeper
+from dualarm_pin.bench.gates import Gate
+from dualarm_pin.bench.rows import Row, RowLog
+from dualarm_pin.bench.run import Run
+from dualarm_pin.bench.suite import Suite
+from dualarm_pin.bench.table import flatten, write_tables
+from dualarm_pin.errors import InputError
+from dualarm_pin.progress import SILENT, Progress
+
+LOG = "rows.jsonl"
+# What the report needs of a row; the rest stays on disk, however long the batch.
+BRIEF = (
+    "key task variant set method planner seed status reason found objective mean_index "
+    "arc_mean_index max_index max_position_error max_rotation_error max_bound_violation "
+    "max_joint_step min_clearance evidence.verdict evidence.lower_bound evidence.gap "
+    "evidence.missed_share_95 timing.wall_s timing.cpu_s timing.compile_s run_s time_limit "
+    "index_name index_units smoothness machine.host machine.system machine.processor machine.cores"
+).split()
+
+
+@dataclass(frozen=True)
+class Batch:
+    """A finished batch.
+
+    Attributes:
+        folder: Where it is.
+        rows: One brief row a run, flat, in the order of the suite.
+        done_before: How many of them an earlier session had done.
+        gates: Every gate, and why it does not hold (None: it does).
+    """
+
+    folder: Path
+    rows: tuple[Row, ...]
+    done_before: int
+    gates: tuple[tuple[Gate, str | None], ...]
+
+    @property
+    def passed(self) -> bool:
+        """Whether every gate holds."""
+        return all(failure is None for _, failure in self.gates)
+
+    @property
+    def counts(self) -> Counter[str]:
+        """How many runs ended in which way."""
+        return Counter(row["status"] for row in self.rows)
+
+
+def run_suite(
+    suite: Suite,
+    folder: Path,
+    *,
+    jobs: int | None = None,
+    address: str | None = None,
+    resume: bool = False,
+    progress: Progress = SILENT,
+) -> Batch:
+    """Run what is missing of a suite and write its tables.
+
+    Args:
+        suite: The suite.
+        folder: Where rows, trajectories and tables go.
+        jobs: Local worker processes; None takes the processors there are.
+        address: A dask scheduler to use instead.
+        resume: Continue a folder; without it one with content is refused.
+        progress: Told where the work stands.
+
+    Raises:
+        InputError: The folder is in use or cannot be written, or there is no such scheduler.
+        MissingExtraError: dask.distributed or pyarrow is not installed.
+        DualArmError: The scheduler was lost.
+    """
+    if not resume and folder.exists() and (not folder.is_dir() or any(folder.iterdir())):
+        raise InputError(
+            "there is something here: add --resume to continue it, or give another --out",
+            file=folder,
+        )
+    runs = {run.key: run for run in suite.runs}
+    keeper = Keeper(folder, suite.keep, {key: i for i, key in enumerate(runs)})
+    with RowLog(folder / LOG) as log:
+        missing = [run for key, run in runs.items() if key not in log]
+        done_before = len(runs) - len(missing)
+        if len(log) > done_before:
+            progress.line(
+                f"{len(log) - done_before} rows in {folder} are not of this suite: they stay in "
+                f"{LOG} and are left out of the tables"
+            )
+        keeper.recall(_relabelled(log, runs, [key for key in runs if key in log]))
+        if missing:
+            _run(missing, log, keeper, jobs, address, progress)
+        progress.stage("writing the tables")
+        read = partial(_relabelled, log, runs, list(runs))
+        write_tables(folder, read)
+        rows = tuple(_brief(row) for row in read())
+    gates = tuple((gate, gate.failure(rows)) for gate in suite.gates)
+    return Batch(folder, rows, done_before, gates)
+
+
+def _run(
+    runs: list[Run],
+    log: RowLog,
+    keeper: Keeper,
+    jobs: int | None,
+    address: str | None,
+    progress: Progress,
+) -> None:
+    progress.stage("starting workers")
+    with cluster.workers(jobs, address) as client:
+        progress.stage("runs", len(runs))
+        no_worker = partial(progress.line, "no worker is left: waiting for one to come")
+        for ended in cluster.spread(client, runs, keeper.keep != "none", no_worker):
+            rows = []
+            for run, outcome in ended:
+                # Before the row: a row on disk means that its trajectory was considered.
+                keeper.consider(run, outcome)
+                rows.append(outcome.row(run))
+                if outcome.status != "ok":
+                    name = f"{run.method.name} on {' '.join(filter(None, run.problem))}"
+                    progress.line(f"{outcome.status}: {name}, seed {run.seed}: {outcome.reason}")
+            log.append(rows)
+            progress.advance(len(rows))
+
+
+def _relabelled(log: RowLog, runs: dict[str, Run], keys: list[str]):  # type: ignore[no-untyped-def]
+    """Read rows, each with the names that the suite gives its task and method today."""
+    for row in log.rows(keys):
+        run = runs[row["key"]]
+        yield row | {"task": run.task, "method": run.method.name}
+
+
+def _brief(row: Row) -> Row:
+    flat = flatten({key: value for key, value in row.items() if key not in ("extra", "inputs")})
+    brief = {key: flat.get(key) for key in BRIEF}
+    return brief | {"set": row["set"]}

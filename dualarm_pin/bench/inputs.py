@@ -1,0 +1,116 @@
+"""Fingerprints of what a task is made of, so that a row can be cited and a batch continued."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Sequence
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dualarm_pin.bench.run import Inputs, digest
+from dualarm_pin.cell.entry import cell_from_source
+from dualarm_pin.cell.packages import find_file
+from dualarm_pin.errors import DualArmError
+from dualarm_pin.files.cell_spec import CellSpec
+from dualarm_pin.files.source import Key, Source, check, plain
+from dualarm_pin.files.task_spec import TaskSpec, read_task
+
+_NAMES_FILES = ("urdf", "srdf", "xacro", "package_dirs", "tip", "group")
+_PATH_FILES = ("csv", "gcode", "apt")
+
+
+class Fingerprints:
+    """Reads inputs; robots that many variants share are read once."""
+
+    def __init__(self) -> None:
+        self._robots: dict[str, dict[Path, str]] = {}
+
+    def read(self, file: Path, changes: Sequence[str]) -> Inputs:
+        """Check a variant of a task and return its fingerprints.
+
+        Raises:
+            InputError: The task, the cell or a change is wrong.
+        """
+        task, cell, keys = read_task(file, changes)
+        check(task, TaskSpec)
+        check(cell, CellSpec, keys)
+        robots = dict(self._robots_of(cell, keys))
+        for kind in _PATH_FILES:
+            named = task.data["path"].get(kind)
+            if isinstance(named, str):
+                path = (file.parent / named).resolve()
+                robots[path] = file_digest(path)
+        # The content of the cell counts, not where it stands.
+        content = {key: plain(value) for key, value in task.data.items() if key != "cell"}
+        files = {str(path): sha for path, sha in robots.items()}
+        files |= {str(p.resolve()): file_digest(p.resolve()) for p in (task.path, cell.path)}
+        return Inputs(
+            task=digest(content),
+            cell=digest(_at(cell, keys)),
+            robots={"/".join(path.parts[-3:]): sha for path, sha in sorted(robots.items())},
+            files=files,
+        )
+
+    def _robots_of(self, cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
+        data = _at(cell, keys)
+        naming = {k: data.get(k) for k in _NAMES_FILES}
+        naming["arms"] = {
+            arm: {k: (entry or {}).get(k) for k in _NAMES_FILES}
+            for arm, entry in data["arms"].items()
+        }
+        key = digest([str(cell.path), naming])
+        if key not in self._robots:
+            self._robots[key] = _read_robots(cell, keys)
+        return self._robots[key]
+
+
+def _at(cell: Source, keys: Sequence[Key]) -> Any:
+    """Return the content of a cell, which stands at `keys` of its file."""
+    data = cell.data
+    for key in keys:
+        data = data[key]
+    return plain(data)
+
+
+def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
+    """Return the sha256 of URDFs, SRDFs and collision meshes."""
+    loaded = cell_from_source(cell, keys)
+    found = {s.path: s.sha256 for s in loaded.sources if s.path != cell.path.resolve()}
+    folder = cell.path.resolve().parent
+    extra = [folder / entry for entry in _at(cell, keys).get("package_dirs") or ()]
+    for urdf in [path for path in found if path.suffix == ".urdf"]:
+        for mesh in collision_meshes(urdf):
+            try:
+                path = find_file(mesh, urdf.parent, extra).resolve()
+            except DualArmError:  # missing meshes leave the clearance unknown, no more
+                continue
+            found[path] = file_digest(path)
+    return found
+
+
+def collision_meshes(urdf: Path) -> list[str]:
+    """Return the names of the mesh files that a URDF checks for collisions."""
+    from lxml import etree
+
+    tree = etree.fromstring(
+        urdf.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True)
+    )
+    names = [mesh.get("filename") for mesh in tree.iterfind(".//collision/geometry/mesh")]
+    return sorted({name for name in names if name})
+
+
+def file_digest(path: Path) -> str:
+    """Return the sha256 of a file; read again only when its time or size changed.
+
+    Raises:
+        OSError: It cannot be read.
+    """
+    state = path.stat()
+    return _file_digest(path, state.st_mtime_ns, state.st_size)
+
+
+@lru_cache(maxsize=4096)
+def _file_digest(path: Path, changed: int, size: int) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()

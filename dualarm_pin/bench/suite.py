@@ -1,0 +1,218 @@
+"""Suite: the runs that a suite file asks for, checked before the first one starts."""
+
+from __future__ import annotations
+
+import glob
+import itertools
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from dualarm_pin import __version__
+from dualarm_pin.bench.gates import Gate, read_gate
+from dualarm_pin.bench.inputs import Fingerprints
+from dualarm_pin.bench.run import Method, Run, changes
+from dualarm_pin.errors import InputError, nearest
+from dualarm_pin.files.source import Key, Source, check, read_yaml
+from dualarm_pin.files.suite_spec import (
+    MapEntry,
+    MethodEntry,
+    OverridesSpec,
+    StepsSpec,
+    SuiteSpec,
+    TaskEntry,
+)
+from dualarm_pin.planners.dispatch import EFFORTS, METHODS, SOLVERS
+
+_MOST_RUNS = 1_000_000
+
+
+@dataclass(frozen=True)
+class Suite:
+    """A batch, complete.
+
+    Attributes:
+        file: The suite file.
+        text: What it says, for the report.
+        title: Heading of the report.
+        runs: All runs, in the order of the table.
+        gates: What must hold.
+        maps: Maps for the report.
+        keep: `best`, `all` or `none`.
+        limitations: Sentences for the report.
+    """
+
+    file: Path
+    text: str
+    title: str
+    runs: tuple[Run, ...]
+    gates: tuple[Gate, ...]
+    maps: tuple[MapEntry, ...]
+    keep: str
+    limitations: tuple[str, ...]
+
+    @classmethod
+    def load(cls, file: str | Path) -> Suite:
+        """Read a suite file and everything it names.
+
+        Raises:
+            InputError: The suite, or a task that it names, is wrong: file, line and field.
+        """
+        source = read_yaml(file)
+        spec = check(source, SuiteSpec)
+        tasks = list(_tasks(source, spec))
+        methods = list(_methods(source, spec))
+        runs = tuple(_runs(source, spec, tasks, methods))
+        names = [t.name for t in tasks], [m.name for m, _ in methods]
+        gates = []
+        for i, entry in enumerate(spec.gates):
+            try:
+                gates.append(read_gate(entry, *names))
+            except InputError as error:
+                raise source.error(error.message, ["gates", i]) from error
+        for i, chart in enumerate(spec.maps):
+            for axis in (chart.x, chart.y):
+                if axis not in spec.overrides.grid:
+                    hint = nearest(axis, spec.overrides.grid)
+                    raise source.error(f"{axis!r} is no key of overrides.grid: {hint}", ["maps", i])
+        return cls(
+            file=source.path,
+            text=source.path.read_text(encoding="utf-8-sig"),
+            title=spec.title or source.path.stem,
+            runs=runs,
+            gates=tuple(gates),
+            maps=tuple(spec.maps),
+            keep=spec.keep,
+            limitations=tuple(spec.limitations),
+        )
+
+
+@dataclass(frozen=True)
+class _Task:
+    name: str
+    file: Path
+    overrides: OverridesSpec
+    keys: Sequence[Key]
+
+
+def _tasks(source: Source, spec: SuiteSpec) -> Iterator[_Task]:
+    taken: dict[str, Path] = {}
+    for i, given in enumerate(spec.tasks):
+        entry = TaskEntry(file=given) if isinstance(given, str) else given
+        keys: list[Key] = ["tasks", i]
+        pattern = str(source.path.resolve().parent / entry.file)
+        files = [Path(name) for name in sorted(glob.glob(pattern, recursive=True))]
+        if not files:
+            what = "glob matches no file" if glob.has_magic(entry.file) else "file does not exist"
+            raise source.error(f"this {what}: {entry.file}", keys)
+        if entry.name is not None and len(files) > 1:
+            raise source.error(f"one name for {len(files)} tasks: leave `name` out", keys)
+        for file in files:
+            name = entry.name or file.stem
+            if name in taken:
+                raise source.error(
+                    f"two tasks are called {name!r} ({taken[name]} and {file}): give one a `name`",
+                    keys,
+                )
+            taken[name] = file
+            yield _Task(name, file, entry.overrides, keys)
+
+
+def _methods(source: Source, spec: SuiteSpec) -> Iterator[tuple[Method, MethodEntry]]:
+    taken: set[str] = set()
+    for i, given in enumerate(spec.methods):
+        entry = MethodEntry(method=given) if isinstance(given, str) else given
+        keys: list[Key] = ["methods", i]
+        if entry.method is not None:
+            _known(source, keys, "method", entry.method, METHODS)
+            if entry.solver is not None:
+                _known(source, keys, "solver", entry.solver, SOLVERS[entry.method])
+        if entry.effort is not None:
+            _known(source, keys, "effort", entry.effort, EFFORTS)
+        options = dict(entry.options)
+        options |= {
+            name: getattr(entry, name)
+            for name in ("effort", "solver", "starts")
+            if getattr(entry, name) is not None
+        }
+        words = [entry.method or entry.call or "", entry.solver, entry.effort]
+        words += [f"{entry.starts} starts"] if entry.starts else []
+        name = entry.name or " ".join(word for word in words if word)
+        if name in taken:
+            raise source.error(f"two methods are called {name!r}: give one a `name`", keys)
+        taken.add(name)
+        yield Method(name, entry.method, entry.call, options), entry
+
+
+def _known(
+    source: Source, keys: Sequence[Key], field: str, given: str, known: Sequence[str]
+) -> None:
+    if given not in known:
+        where = [*keys, field] if isinstance(source.data["methods"][keys[-1]], dict) else keys
+        raise source.error(f"unknown {field} {given!r}: {nearest(given, known)}", where)
+
+
+def _runs(
+    source: Source,
+    spec: SuiteSpec,
+    tasks: Sequence[_Task],
+    methods: Sequence[tuple[Method, MethodEntry]],
+) -> Iterator[Run]:
+    prints = Fingerprints()
+    counted = 0
+    taken: dict[str, Run] = {}
+    for task in tasks:
+        for overrides in _variants(spec.overrides, task.overrides):
+            try:
+                inputs = prints.read(task.file, changes(overrides))
+            except InputError as error:
+                if error.field is not None and error.field.startswith("--set "):
+                    raise source.error(
+                        f"{error.field.removeprefix('--set ')}: {error.message}", ["overrides"]
+                    ) from error
+                raise
+            for method, entry in methods:
+                for seed in _seeds(spec.seeds if entry.seeds is None else entry.seeds):
+                    counted += 1
+                    if counted > _MOST_RUNS:
+                        raise source.error(
+                            f"more than {_MOST_RUNS} runs: divide the suite", ["tasks"]
+                        )
+                    run = Run(
+                        task=task.name,
+                        file=str(task.file.resolve()),
+                        overrides=overrides,
+                        inputs=inputs,
+                        method=method,
+                        seed=seed,
+                        time_limit=entry.time_limit or spec.time_limit,
+                        version=__version__,
+                    )
+                    twin = taken.setdefault(run.key, run)
+                    if twin is not run:
+                        raise source.error(
+                            f"{method.name!r} on {task.name!r} with seed {seed} is the same run "
+                            f"as {twin.method.name!r} on {twin.task!r}: leave one out",
+                            task.keys,
+                        )
+                    yield run
+
+
+def _variants(suite: OverridesSpec, task: OverridesSpec) -> Iterator[Mapping[str, Any]]:
+    """Every combination of the suite's and the task's grids and lists."""
+    grids = suite.grid | task.grid
+    axes = [
+        [{key: value} for value in (steps.values if isinstance(steps, StepsSpec) else steps)]
+        for key, steps in grids.items()
+    ]
+    lists = [entry.variants for entry in (suite, task) if entry.variants]
+    for combination in itertools.product(*axes, *lists):
+        merged: dict[str, Any] = {}
+        for part in combination:
+            merged |= part
+        yield merged
+
+
+def _seeds(given: int | Sequence[int]) -> Sequence[int]:
+    return range(given) if isinstance(given, int) else given

@@ -1,0 +1,91 @@
+"""`dualarm-pin bench`."""
+
+from __future__ import annotations
+
+import sys
+import time
+from pathlib import Path
+
+from dualarm_pin.cli import DONE
+from dualarm_pin.cli.terminal import TerminalProgress
+
+GATE_FAILED = 1
+_BETWEEN_LINES = 10.0  # seconds
+
+
+def bench(
+    suite: Path,
+    *,
+    out: Path | None = None,
+    jobs: int | None = None,
+    cluster: str | None = None,
+    resume: bool = False,
+) -> int:
+    """Run a suite of tasks, methods and seeds, and write one table and one report.
+
+    Exit code 0: there is a row for every run, failed ones included; 1: a gate of the suite does
+    not hold; 2: the suite is wrong.
+
+    Args:
+        suite: A suite file (YAML).
+        out: Folder of the table; results/SUITE by default.
+        jobs: Worker processes on this machine; all processors by default.
+        cluster: Address of a dask scheduler that exists, instead of workers on this machine.
+        resume: Continue the folder: runs that have a row are not repeated.
+    """
+    from dualarm_pin.bench.batch import run_suite
+    from dualarm_pin.bench.suite import Suite
+    from dualarm_pin.errors import InputError
+
+    if jobs is not None and (jobs < 1 or cluster is not None):
+        why = "belongs to local workers, not to --cluster" if cluster else "1 or more is expected"
+        raise InputError(f"{why}; given {jobs}", field="--jobs")
+    asked = Suite.load(suite)
+    folder = out or Path("results") / suite.stem
+    with BatchProgress() as progress:
+        batch = run_suite(
+            asked, folder, jobs=jobs, address=cluster, resume=resume, progress=progress
+        )
+    counts = ", ".join(f"{count} {status}" for status, count in batch.counts.most_common())
+    print(f"{len(batch.rows)} runs: {counts}")
+    for gate, failure in batch.gates:
+        about = f" ({gate.of} of {gate.method} on {gate.task})"
+        print(f"gate {'FAILED' if failure else 'holds'}: {gate.text}{about}")
+        if failure is not None:
+            print(f"dualarm-pin: gate {gate.text!r}: {failure}", file=sys.stderr)
+    print(f"written to {folder}")
+    return DONE if batch.passed else GATE_FAILED
+
+
+class BatchProgress(TerminalProgress):
+    """Plain lines with the time left where there is no terminal; a bar where there is one."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._total: int | None = None
+        self._done = 0
+        self._begun = self._said = time.monotonic()
+
+    def stage(self, text: str, total: int | None = None) -> None:
+        """Begin a stage of `total` steps, or of unknown length."""
+        super().stage(text if total is None else f"{total} {text}", total)
+        self._total, self._done = total, 0
+        self._begun = self._said = time.monotonic()
+
+    def advance(self, steps: int = 1) -> None:
+        """Count steps of the stage."""
+        super().advance(steps)
+        self._done += steps
+        now = time.monotonic()
+        if self._live or not self._total or now - self._said < _BETWEEN_LINES:
+            return
+        self._said = now
+        left = (now - self._begun) / self._done * (self._total - self._done)
+        self.line(f"{self._done} of {self._total}, about {duration(left)} left")
+
+
+def duration(seconds: float) -> str:
+    """Return a time in words."""
+    if seconds < 90.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 5400.0 else f"{seconds / 3600.0:.1f} h"

@@ -1,0 +1,153 @@
+"""What a suite file may say: tasks, methods, seeds, budgets, overrides, gates."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from dualarm_pin.files.source import Spec
+
+Seconds = Annotated[float, Field(gt=0.0)]
+Seed = Annotated[int, Field(ge=0)]
+Count = Annotated[int, Field(ge=1)]
+_MOST_STEPS = 10_000
+
+
+class StepsSpec(Spec):
+    """Evenly spaced values, both ends included."""
+
+    first: float
+    last: float
+    count: Annotated[int, Field(ge=2, le=_MOST_STEPS)]
+
+    @property
+    def values(self) -> list[float]:
+        """The values; rounded to 12 digits, so that 0.1 + 0.2 is 0.3 in names and keys."""
+        step = (self.last - self.first) / (self.count - 1)
+        return [round(self.first + i * step, 12) for i in range(self.count)]
+
+
+class OverridesSpec(Spec):
+    """Changes of any field of the task; keys that begin with `cell.` reach into the cell.
+
+    Attributes:
+        grid: Values by key; every combination is a variant.
+        variants: Sets of changes; each is a variant, combined with every point of the grid.
+    """
+
+    grid: dict[str, Annotated[list[Any], Field(min_length=1)] | StepsSpec] = Field(
+        default_factory=dict
+    )
+    variants: list[dict[str, Any]] = Field(default_factory=list)
+
+
+class TaskEntry(Spec):
+    """One task file, or a glob of them.
+
+    Attributes:
+        file: Path or glob, relative to the suite file.
+        name: Name in tables; the name of the file if not given.
+        overrides: Changes for this task alone, on top of those of the suite.
+    """
+
+    file: str
+    name: str | None = None
+    overrides: OverridesSpec = OverridesSpec()
+
+
+class MethodEntry(Spec):
+    """One method with its options.
+
+    Attributes:
+        method: A method of `dualarm-pin solve`, or of an extra.
+        call: `module:function` instead of a method: your own planner, called as
+            `function(task, seed=..., **options)`; it returns a `Trajectory`.
+        name: Name in tables.
+        effort: As in `solve`.
+        solver: As in `solve`.
+        starts: As in `solve`.
+        options: Arguments of `call`.
+        seeds: Seeds of this method alone.
+        time_limit: Budget of a run of this method [s].
+    """
+
+    method: str | None = None
+    call: Annotated[str, Field(pattern=r"^[\w.]+:\w+$")] | None = None
+    name: str | None = None
+    effort: str | None = None
+    solver: str | None = None
+    starts: Count | None = None
+    options: dict[str, Any] = Field(default_factory=dict)
+    seeds: Count | list[Seed] | None = None
+    time_limit: Seconds | None = None
+
+    @model_validator(mode="after")
+    def _one_of_two(self) -> MethodEntry:
+        if (self.method is None) == (self.call is None):
+            raise ValueError("name either a `method` or a function to `call`")
+        if self.call is None and self.options:
+            raise ValueError("`options` belong to `call`; a method takes effort, solver, starts")
+        return self
+
+
+class GateEntry(Spec):
+    """A condition that the finished table must meet.
+
+    Attributes:
+        gate: A column, a comparison and a number, such as `mean_index <= 0.41`.
+        of: Whether every run, the best of them, their median or their mean must hold.
+        task: Name or glob of tasks.
+        method: Name or glob of methods.
+    """
+
+    gate: str
+    of: Literal["every", "best", "median", "mean"] = "every"
+    task: str = "*"
+    method: str = "*"
+
+
+class MapEntry(Spec):
+    """A map of the best value over two keys of the grid, for the report.
+
+    Attributes:
+        x: Key of the grid along the horizontal axis.
+        y: Key of the grid along the vertical axis.
+        of: Column whose best value is drawn.
+        label_x: What the axis says.
+        label_y: What the axis says.
+    """
+
+    x: str
+    y: str
+    of: str = "mean_index"
+    label_x: str | None = None
+    label_y: str | None = None
+
+
+class SuiteSpec(Spec):
+    """A suite file.
+
+    Attributes:
+        title: Heading of the report.
+        tasks: Task files.
+        methods: Methods.
+        seeds: The seeds, or how many: 3 stands for 0, 1, 2.
+        time_limit: Budget of a run [s].
+        overrides: Changes of every task.
+        gates: What must hold for exit code 0.
+        maps: Maps over two keys of the grid.
+        keep: Which trajectories are kept: the best of every task and variant, all, or none.
+        limitations: What a reader should know about this suite; one sentence each.
+    """
+
+    title: str | None = None
+    tasks: Annotated[list[str | TaskEntry], Field(min_length=1)]
+    methods: Annotated[list[str | MethodEntry], Field(min_length=1)]
+    seeds: Count | Annotated[list[Seed], Field(min_length=1)] = 1
+    time_limit: Seconds = 600.0
+    overrides: OverridesSpec = OverridesSpec()
+    gates: list[str | GateEntry] = Field(default_factory=list)
+    maps: list[MapEntry] = Field(default_factory=list)
+    keep: Literal["best", "all", "none"] = "best"
+    limitations: list[str] = Field(default_factory=list)
