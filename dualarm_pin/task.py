@@ -15,8 +15,9 @@ from ruamel.yaml import YAML
 
 from dualarm_pin import indices
 from dualarm_pin.cell import Cell
+from dualarm_pin.cell.entry import cell_from_source
 from dualarm_pin.errors import InputError, ShapeError
-from dualarm_pin.files.source import Source, check, plain
+from dualarm_pin.files.source import Key, Source, check, plain
 from dualarm_pin.files.task_spec import IndexSpec, SmoothnessSpec, TaskSpec, read_task
 from dualarm_pin.indices import Index
 from dualarm_pin.path import Path
@@ -95,11 +96,11 @@ class Task:
         Raises:
             InputError: The file, the cell or what they name is wrong.
         """
-        source, cell_source = read_task(file, overrides)
+        source, cell_source, keys = read_task(file, overrides)
         spec = check(source, TaskSpec)
-        cell = Cell.from_source(cell_source)
+        cell = cell_from_source(cell_source, keys)
         try:
-            return cls._from_spec(spec, source, cell, cell_source)
+            return cls._from_spec(spec, source, cell, _cell_record(cell_source, keys))
         except InputError as error:
             if error.file is not None or error.field is None:
                 raise
@@ -107,8 +108,10 @@ class Task:
             raise source.error(error.message, keys) from error
 
     @classmethod
-    def _from_spec(cls, spec: TaskSpec, source: Source, cell: Cell, cell_source: Source) -> Task:
-        path = load_path(spec.path, source.path.parent, source)
+    def _from_spec(
+        cls, spec: TaskSpec, source: Source, cell: Cell, cell_record: Mapping[str, Any]
+    ) -> Task:
+        path = load_path(spec.path, source.path.parent)
         direction = _direction(spec.index)
         if direction is not None:
             path = path.with_direction(direction)
@@ -120,8 +123,6 @@ class Task:
             points = choose_Gamma(path, min(Gamma or 6, path.h))
         else:
             points = tuple(point - 1 for point in Gamma)
-        record = plain(source.data)
-        record["cell"] = cell.record
         return cls(
             cell=cell,
             path=path,
@@ -132,7 +133,7 @@ class Task:
             metric=_metric(smooth, cell),
             per_arc_length=smooth.per_arc_length,
             name=source.path.stem,
-            record=_absolute(record, source.path.parent),
+            record=_absolute(plain(source.data), source.path.parent) | {"cell": cell_record},
         )
 
     def problem(self) -> Problem:
@@ -227,9 +228,34 @@ def _metric(smooth: SmoothnessSpec, cell: Cell) -> Array:
 
 def _absolute(record: Mapping[str, Any], folder: FilePath) -> dict[str, Any]:
     """Return a task whose path file is found from any folder."""
-    record = dict(record)
-    path = dict(record["path"])
-    for key, value in path.items():
-        if key in _PATH_FILES and isinstance(value, str):
-            path[key] = str((folder / value).resolve())
-    return record | {"path": path}
+    path = {
+        key: _found_anywhere(value, folder) if key in _PATH_FILES else value
+        for key, value in record["path"].items()
+    }
+    return {**record, "path": path}
+
+
+def _cell_record(source: Source, keys: Sequence[Key]) -> dict[str, Any]:
+    """Return a cell whose files are found from any folder."""
+    data = source.data
+    for key in keys:
+        data = data[key]
+    record: dict[str, Any] = plain(data)
+    folder = source.path.parent
+    for part in (record, *record["arms"].values()):
+        for key in ("urdf", "srdf"):
+            if isinstance(part, dict) and part.get(key) is not None:
+                part[key] = _found_anywhere(part[key], folder)
+    if record.get("package_dirs"):
+        record["package_dirs"] = [_found_anywhere(d, folder) for d in record["package_dirs"]]
+    record.setdefault("name", source.path.stem)
+    return record
+
+
+def _found_anywhere(file: Any, folder: FilePath) -> Any:
+    """Return a file name that does not depend on the folder it was written in."""
+    if isinstance(file, dict):  # a path file with options
+        return {k: _found_anywhere(v, folder) if k == "file" else v for k, v in file.items()}
+    if not isinstance(file, str) or file.startswith("package://"):
+        return file
+    return str((folder / file).resolve())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import copy
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -12,9 +13,9 @@ from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap
 from ruamel.yaml.error import YAMLError
 
-from dualarm_pin.errors import InputError
+from dualarm_pin.errors import InputError, MissingFileError
 from dualarm_pin.files.path_spec import PathSpec
-from dualarm_pin.files.source import Source, Spec, read_yaml
+from dualarm_pin.files.source import Key, Source, Spec, read_yaml
 
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
@@ -92,50 +93,68 @@ class TaskSpec(Spec):
     two_stage: TwoStageSpec = TwoStageSpec()
 
 
-def read_task(path: str | Path, overrides: Sequence[str] = ()) -> tuple[Source, Source]:
+def read_task(
+    path: str | Path, overrides: Sequence[str] = ()
+) -> tuple[Source, Source, tuple[Key, ...]]:
     """Read a task file and the cell it names, with `key=value` overrides applied.
 
     Keys are dotted: `smoothness=30`, `path.corner.side=0.2`; those that begin with `cell.` reach
     into the cell: `cell.arms.arm2.base.xyz=[2.4, 0, 0]`.
 
     Returns:
-        The task and the cell; a cell written inside the task file is a source of its own with the
-        lines of that file.
+        The task; the file that holds the cell; and where in that file the cell stands: a cell may
+        be a file of its own or part of the task file.
 
     Raises:
         InputError: A file or an override cannot be read.
     """
     task = read_yaml(path)
-    cell_changes, changes = [], []
-    for override in overrides:
-        key, separator, text = override.partition("=")
-        keys = [int(k) if k.isdigit() else k for k in key.strip().split(".")]
-        if not separator or not key.strip():
-            raise InputError("give key=value, such as smoothness=30", field=f"--set {override}")
-        value = _value(text, override)
-        if keys[0] == "cell" and len(keys) > 1:
-            cell_changes.append((keys[1:], value, override))
-        else:
-            changes.append((keys, value, override))
-    data = copy.deepcopy(task.data)
-    for keys, value, override in changes:
-        _set(data, keys, value, override)
-    task = Source(task.path, data)
-    named = data.get("cell")
+    changes = [_change(override) for override in overrides]
+    inside = isinstance(task.data.get("cell"), dict)
+    own, cells = _split(changes, inside)
+    task = Source(task.path, _changed(task.data, own))
+    named = task.data.get("cell")
     if isinstance(named, dict):
-        cell = Source(task.path, named)
-    elif isinstance(named, str):
+        return task, task, ("cell",)
+    if not isinstance(named, str):
+        given = "this key is missing" if named is None else f"given {named!r}"
+        raise task.error(f"the path of a cell file is expected; {given}", ["cell"])
+    try:
         cell = read_yaml(task.path.parent / named)
-    elif named is None:
-        raise task.error("this key is missing: name a cell file", ["cell"])
-    else:
-        raise task.error(f"the path of a cell file is expected; given {named!r}", ["cell"])
-    if cell_changes:
-        changed = copy.deepcopy(cell.data)
-        for keys, value, override in cell_changes:
-            _set(changed, keys, value, override)
-        cell = Source(cell.path, changed)
-    return task, cell
+    except MissingFileError as error:
+        raise task.error(f"the cell {str(error)}", ["cell"]) from error
+    return task, Source(cell.path, _changed(cell.data, cells)), ()
+
+
+@dataclass(frozen=True)
+class _Change:
+    keys: list[Key]
+    value: Any
+    text: str
+
+
+def _change(override: str) -> _Change:
+    key, separator, text = override.partition("=")
+    if not separator or not key.strip():
+        raise InputError("give key=value, such as smoothness=30", field=f"--set {override}")
+    keys: list[Key] = [int(k) if k.isdigit() else k for k in key.strip().split(".")]
+    return _Change(keys, _value(text, override), override)
+
+
+def _split(changes: Sequence[_Change], inside: bool) -> tuple[list[_Change], list[_Change]]:
+    """Return the changes of the task file and, with `cell.` taken off, those of the cell file."""
+    if inside:
+        return list(changes), []
+    own = [c for c in changes if c.keys[0] != "cell" or len(c.keys) == 1]
+    cell = [replace(c, keys=c.keys[1:]) for c in changes if c not in own]
+    return own, cell
+
+
+def _changed(data: Any, changes: Sequence[_Change]) -> Any:
+    changed = copy.deepcopy(data)
+    for change in changes:
+        _set(changed, change.keys, change.value, change.text)
+    return changed
 
 
 def _value(text: str, override: str) -> Any:

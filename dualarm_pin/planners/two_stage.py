@@ -16,13 +16,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.multistart import Workers, common_postures, distinct_minima
-from dualarm_pin.multistart.starts import generator
+from dualarm_pin.multistart.starts import common_postures, generator
+from dualarm_pin.multistart.workers import Workers
 from dualarm_pin.planners.finish import Clock, finish
 from dualarm_pin.planners.reach import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.solvers import nlopt_slsqp
+from dualarm_pin.solvers.ends import Ends, distinct
 from dualarm_pin.solvers.nlopt_slsqp import SlsqpOptions
 from dualarm_pin.solvers.solution import Solution
 from dualarm_pin.trajectory import Evidence, LawCount, Trajectory
@@ -84,15 +85,15 @@ def plan_two_stage(
         )
         progress.stage(f"stage 1: {len(Gamma)} points, {starts} starts", starts)
         ends = _solve_all(pool, [(first, start, options) for start in drawn], progress)
-        minima = distinct_minima(ends)
-        progress.line(
-            f"stage 1: {sum(s.feasible for s in ends)} of {starts} starts feasible, "
-            f"{len(minima)} distinct minima"
-            + (f", best {minima[0][0].objective:.4f}" if minima else "")
-        )
-        candidates = [dict(zip(Gamma, solution.q, strict=True)) for solution, _ in minima[:basins]]
-        if not candidates:
+        feasible = sum(end.feasible for end in ends)
+        if not feasible:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
+        minima = distinct(_as_ends(ends))
+        progress.line(
+            f"stage 1: {feasible} of {starts} starts feasible, {len(minima)} distinct minima, "
+            f"best {minima.ends.objective[0]:.4f}"
+        )
+        candidates = [dict(zip(Gamma, q, strict=True)) for q in minima.ends.q[:basins]]
         few = max(1, starts // 10)
         paths = _fill_all(task, candidates, few, inner, seed, options, pool, progress)
         if paths and starts > few and not pool.interrupted:
@@ -102,9 +103,7 @@ def plan_two_stage(
             paths = sorted([*paths, *again], key=lambda path: path[1])
         if not paths:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
-        law = LawCount(
-            starts, sum(s.feasible for s in ends), len(minima), minima[0][1] if minima else 0
-        )
+        law = LawCount(starts, feasible, len(minima), int(minima.hits[0]))
         return finish(
             task,
             paths[0][2],
@@ -115,7 +114,7 @@ def plan_two_stage(
             evidence=Evidence(laws={"stage 1": law}),
             extra={
                 "Gamma": [point + 1 for point in Gamma],
-                "stage_1_objective": minima[0][0].objective,
+                "stage_1_objective": float(minima.ends.objective[0]),
                 "basins": len(candidates),
                 "interrupted": pool.interrupted,
             },
@@ -215,6 +214,19 @@ def _solve_all(
     return [
         _cut_off(call[1]) if end is None else end for end, call in zip(ends, calls, strict=True)
     ]
+
+
+def _as_ends(solutions: Sequence[Solution]) -> Ends:
+    """Return solutions as arrays; a feasible end counts, whatever the solver says of itself."""
+    feasible = np.array([s.feasible for s in solutions])
+    return Ends(
+        q=np.array([s.q for s in solutions]),
+        objective=np.array([s.objective for s in solutions]),
+        residual=np.array([s.residual for s in solutions]),
+        feasible=feasible,
+        converged=feasible,
+        iterations=np.array([s.iterations for s in solutions]),
+    )
 
 
 def _cut_off(start: Array) -> Solution:

@@ -46,7 +46,7 @@ class SlsqpOptions:
 
     ftol_rel: float = 1e-8
     xtol_rel: float = 1e-8
-    evaluations: int = 400
+    evaluations: int = 200
     seconds: float = 20.0
 
 
@@ -59,7 +59,7 @@ def solve(
     feasibility is a matter of 1e-10, not of the solver's tolerance.
     """
     options = options or SlsqpOptions()
-    begun = time.perf_counter()
+    begun, cpu = time.perf_counter(), time.thread_time()
     first, residual = project(problem, start, 1e-6)
     evaluation = _Evaluation(problem)
     optimiser = nlopt.opt(nlopt.LD_SLSQP, first.size)
@@ -94,6 +94,7 @@ def solve(
         message=reason,
         start=number,
         wall_s=time.perf_counter() - begun,
+        cpu_s=time.thread_time() - cpu,
         iterations=evaluation.count,
     )
 

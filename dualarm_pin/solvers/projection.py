@@ -48,9 +48,21 @@ def project_point(
 def project(
     problem: Problem, q: Array, tolerance: float = 1e-10, iterations: int = 60
 ) -> tuple[Array, float]:
-    """Move every point of q (k, n) to its pose; return it with the largest residual left."""
-    projected = [project_point(problem, i, q_i, tolerance, iterations) for i, q_i in enumerate(q)]
-    return np.array([p[0] for p in projected]), max(p[1] for p in projected)
+    """Move every point of q (k, n) to its pose; return it with the largest residual left.
+
+    Where neighbours share one posture the next point goes on from the one just found, so that a
+    common posture ends in one branch of the path and not in several.
+    """
+    projected: list[Array] = []
+    worst = 0.0
+    for i, q_i in enumerate(q):
+        shared = i > 0 and np.array_equal(q_i, q[i - 1])
+        found, residual = project_point(
+            problem, i, projected[-1] if shared else q_i, tolerance, iterations
+        )
+        projected.append(found)
+        worst = max(worst, residual)
+    return np.array(projected), worst
 
 
 def _step(

@@ -1,0 +1,201 @@
+"""The whole path at once: search by two laws of starts, polish, evidence."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.evidence.check import LocalCheck, check_minimum
+from dualarm_pin.evidence.laws import count_laws, laws_suffice
+from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.multistart.anchored import AnchoredSearch
+from dualarm_pin.multistart.whole import WholePathSearch
+from dualarm_pin.planners.finish import Clock, finish
+from dualarm_pin.planners.reach import unreachable
+from dualarm_pin.problem import Problem
+from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.solvers import engine
+from dualarm_pin.solvers.ends import Ends
+from dualarm_pin.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+Array = NDArray[np.float64]
+Effort = Literal["quick", "normal", "thorough"]
+
+
+@dataclass(frozen=True)
+class Budget:
+    """How far a search may go.
+
+    Attributes:
+        postures: Postures an anchor in the first round; each round doubles them.
+        refinements: Minima of an anchor refined in the first round; each round doubles them.
+        rounds: Most rounds while the anchors disagree.
+        starts: Starts of each law, 0 for anchors alone.
+        most_starts: Starts of each law at most, while the laws disagree.
+        bound: Compute the lower bound.
+    """
+
+    postures: int = 200
+    refinements: int = 10
+    rounds: int = 4
+    starts: int = 0
+    most_starts: int = 0
+    bound: bool = False
+
+
+BUDGETS: dict[str, Budget] = {
+    "quick": Budget(),
+    "normal": Budget(starts=300, most_starts=1500),
+    "thorough": Budget(starts=1000, most_starts=4000, bound=True),
+}
+
+
+def plan_global(
+    task: Task,
+    *,
+    effort: str = "normal",
+    starts: int | None = None,
+    seed: int = 0,
+    jobs: int | None = None,
+    progress: Progress = SILENT,
+) -> Trajectory:
+    """Plan the whole path at once and say how good the answer is.
+
+    Args:
+        task: What is asked.
+        effort: `quick` (anchors and check), `normal` (and starts by two laws) or `thorough` (and
+            the lower bound).
+        starts: Starts of each law; None takes those of the effort, growing while the laws
+            disagree.
+        seed: Seed of the starts: the same answer for any number of threads.
+        jobs: Threads; None takes the processors there are.
+        progress: Told where the work stands.
+
+    Returns:
+        The best path of all starts; after Ctrl-C the best so far. `found` is False where no
+        start reached every point.
+    """
+    budget = BUDGETS[effort]
+    if starts is not None:
+        budget = replace(budget, starts=starts if budget.starts else 0, most_starts=starts)
+        budget = replace(budget, postures=max(1, min(budget.postures, starts)))
+    problem = task.problem()
+    compile_s = engine.ensure_compiled(progress.line)
+    clock = Clock.start()
+    search = _Search(problem, budget, seed, jobs, progress)
+    interrupted = _until_ctrl_c(search.run)
+    best = search.best()
+    if best is None:
+        return unreachable(task, "global", engine.NAME, seed, clock)
+    local = check_minimum(problem, best, seed=seed, jobs=jobs)
+    laws = count_laws(search.anchored, search.whole, local.q)
+    findings = Findings(local=local, laws=laws, agree=search.agree(local.q))
+    if budget.bound and not interrupted:
+        from dualarm_pin.evidence.bound import lower_bound
+
+        progress.stage("lower bound")
+        findings = replace(
+            findings, bound=lower_bound(problem, local.q, seed=seed, jobs=jobs, progress=progress)
+        )
+    evidence, sentences = conclude(findings)
+    return finish(
+        task,
+        local.q,
+        method="global",
+        solver=engine.NAME,
+        timing=clock.read(compile_s),
+        seed=seed,
+        evidence=evidence,
+        extra={"evidence_text": sentences, "effort": effort, "interrupted": interrupted},
+    )
+
+
+def polish(task: Task, q: Array, *, seed: int | None = None) -> Trajectory:
+    """Minimise (19) over all points from joints q (h, n); never worse than q.
+
+    Returns:
+        The minimum of the basin of q, or q itself if the solver did not do better.
+    """
+    problem = task.problem()
+    compile_s = engine.ensure_compiled()
+    clock = Clock.start()
+    end = engine.solve(problem, q)
+    better = end.feasible and end.objective <= problem.objective(q)
+    return finish(
+        task,
+        end.q if better else q,
+        method="two-stage",
+        solver=f"{engine.NAME} from the two-stage answer",
+        timing=clock.read(compile_s),
+        seed=seed,
+        extra={"improved": better},
+    )
+
+
+class _Search:
+    """Both laws, as far as the budget goes."""
+
+    def __init__(
+        self, problem: Problem, budget: Budget, seed: int, jobs: int | None, progress: Progress
+    ) -> None:
+        self.budget, self.progress = budget, progress
+        self.anchored = AnchoredSearch(problem, seed, jobs=jobs)
+        self.whole = WholePathSearch(problem, seed, jobs=jobs)
+
+    def run(self) -> None:
+        """Search until the anchors agree and, if asked, both laws have said enough."""
+        budget = self.budget
+        self.progress.stage("anchored starts", budget.rounds)
+        for level in range(budget.rounds):
+            self.anchored.grow(budget.postures << level, budget.refinements << level)
+            self.progress.advance()
+            if self.anchored.agree():
+                break
+        target = budget.starts
+        while target:
+            self.progress.stage(f"{target} starts by each of two laws", 2)
+            self.anchored.grow(target, None)
+            self.progress.advance()
+            self.whole.grow(target)
+            self.progress.advance()
+            best = self.best()
+            if best is None or target >= budget.most_starts:
+                break
+            if laws_suffice(count_laws(self.anchored, self.whole, best)):
+                break
+            target = min(target + budget.starts, budget.most_starts)
+
+    def best(self) -> Array | None:
+        """Return the best path (k, n) of all starts so far."""
+        parts = [part for part in (self.anchored.ends(), self.whole.ends) if part is not None]
+        if not parts:
+            return None
+        ends = Ends.join(parts)
+        if not ends.converged.any() and not ends.feasible.any():
+            return None
+        usable = ends.converged if ends.converged.any() else ends.feasible
+        best: Array = ends.q[int(np.argmin(np.where(usable, ends.objective, np.inf)))]
+        return best
+
+    def agree(self, q: Array) -> bool:
+        """Tell whether both laws ended in the basin of q."""
+        return all(law.best_hits > 0 for law in count_laws(self.anchored, self.whole, q).values())
+
+
+def _until_ctrl_c(work: Callable[[], None]) -> bool:
+    """Run `work`; return whether Ctrl-C cut it short."""
+    try:
+        work()
+    except KeyboardInterrupt:
+        return True
+    return False
+
+
+__all__ = ["BUDGETS", "Budget", "Effort", "LocalCheck", "plan_global", "polish"]
