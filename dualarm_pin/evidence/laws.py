@@ -35,8 +35,7 @@ def count_laws(
     if drawn is not None:
         starts, ends, weight = drawn
         hit = [
-            bool(ok) and same_path(q, best)
-            for q, ok in zip(ends.q, ends.converged, strict=True)
+            bool(ok) and same_path(q, best) for q, ok in zip(ends.q, ends.converged, strict=True)
         ]
         laws[anchored.NAME] = LawCount(
             starts=starts,

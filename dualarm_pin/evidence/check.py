@@ -1,0 +1,191 @@
+"""The local check: polish, then first and second order, nearby starts and costly limits.
+
+It shows a strict local minimum, within floating point, and nothing beyond its own basin.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.engine.solve import Options
+from dualarm_pin.evidence.kkt import Stationarity, curvature_min, stationarity
+from dualarm_pin.multistart.starts import generator
+from dualarm_pin.problem import Problem
+from dualarm_pin.solvers import engine
+from dualarm_pin.solvers.ends import same_path
+from dualarm_pin.tolerance import TOLERANCE
+
+Array = NDArray[np.float64]
+
+RETURNS = 20
+SHIFTS = (0.2, 0.1, 0.05, 0.02)
+_STATIONARY = 1e-6
+_FLAT = 1e-7
+_MOST_ADOPTIONS = 5
+
+
+@dataclass(frozen=True, eq=False)
+class LocalCheck:
+    """What the neighbourhood of a path says; every figure is recomputed with Pinocchio.
+
+    Attributes:
+        q: The polished path (k, n), or a better one that a nearby start led to.
+        objective: Objective there.
+        feasibility: Largest pose residual.
+        stationarity: Largest KKT residual, with least-squares multipliers.
+        min_multiplier: Smallest multiplier of an active bound; None if none is active.
+        n_active: Active bounds.
+        curvature_min: Smallest eigenvalue of the reduced Hessian on the free directions; None
+            if there are none.
+        free_directions: Their number.
+        sigma_min: Smallest singular value of the free pose Jacobian of any point.
+        return_radius: Largest tested shift per point from which all re-solves came back
+            [rad]; None if there is none.
+        return_share: Share of the re-solves from the largest shift that came back.
+        adopted: How often a nearby start found a better path, which then became `q`.
+        limit_cost: Multipliers summed by joint: what the objective would fall by at first, per
+            rad (or m) that its limits give way.
+    """
+
+    q: Array
+    objective: float
+    feasibility: float
+    stationarity: float
+    min_multiplier: float | None
+    n_active: int
+    curvature_min: float | None
+    free_directions: int
+    sigma_min: float
+    return_radius: float | None
+    return_share: float
+    adopted: int = 0
+    limit_cost: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def stationary(self) -> bool:
+        """Whether the first-order conditions hold."""
+        return (
+            self.feasibility <= TOLERANCE.position
+            and self.stationarity <= _STATIONARY * max(1.0, abs(self.objective))
+            and (self.min_multiplier is None or self.min_multiplier >= -_STATIONARY)
+        )
+
+    @property
+    def minimum(self) -> bool:
+        """Whether it is stationary and no free direction leads down."""
+        return self.stationary and (self.curvature_min is None or self.curvature_min >= -_FLAT)
+
+    @property
+    def strict(self) -> bool:
+        """Whether it is a minimum and every free direction leads up."""
+        return self.minimum and (self.curvature_min is None or self.curvature_min > _FLAT)
+
+    @property
+    def near_singular(self) -> bool:
+        """Whether some point is nearly singular with its active joints held."""
+        return self.sigma_min < TOLERANCE.singular
+
+    @property
+    def costliest_joint(self) -> str | None:
+        """The joint whose limits cost most; None if no bound is active."""
+        name = max(self.limit_cost, key=lambda key: self.limit_cost[key], default=None)
+        return name if name is not None and self.limit_cost[name] > 0.0 else None
+
+
+def check_minimum(problem: Problem, q: Array, *, seed: int, jobs: int | None = None) -> LocalCheck:
+    """Polish a path and check it independently of the solver.
+
+    Args:
+        problem: The problem.
+        q: A path (k, n), nearly a minimum.
+        seed: Seed of the shifts.
+        jobs: Threads; None takes the processors there are.
+
+    Returns:
+        The check of the polished path; of a better one if a nearby start led there.
+    """
+    q = polished(problem, q)
+    best = problem.objective(q)
+    adopted = 0
+    while True:
+        radius, share, better = _returns(problem, q, best, seed + adopted, jobs)
+        if better is None or adopted == _MOST_ADOPTIONS:
+            break
+        q, adopted = better, adopted + 1
+        best = problem.objective(q)
+    first = stationarity(problem, q)
+    curvature, directions = curvature_min(problem, q, first)
+    cost = np.sum(first.bound_multipliers, axis=0)
+    return LocalCheck(
+        q=q,
+        objective=float(first.objective),
+        feasibility=first.residual,
+        stationarity=first.stationarity,
+        min_multiplier=first.min_multiplier,
+        n_active=int(np.count_nonzero(first.active)),
+        curvature_min=curvature,
+        free_directions=directions,
+        sigma_min=_sigma_min(first),
+        return_radius=radius,
+        return_share=share,
+        adopted=adopted,
+        limit_cost=dict(zip(problem.cell.joint_names, cost.tolist(), strict=True)),
+    )
+
+
+def polished(problem: Problem, q: Array) -> Array:
+    """Return q (k, n) at the polish tolerance, or q itself where the solver did worse."""
+    for tolerance in (TOLERANCE.polish, TOLERANCE.search):  # round-off may bar the first
+        end = engine.solve(problem, q, options=_near(tolerance))
+        same_level = end.objective <= problem.objective(q) + TOLERANCE.same_objective
+        if end.converged and end.feasible and same_level:
+            return end.q
+    return q
+
+
+def _near(tolerance: float) -> Options:
+    """Return options for a start close to its minimum."""
+    return replace(Options(), tolerance=tolerance, mu0=1e-4, push=1e-4)
+
+
+def _returns(
+    problem: Problem, q: Array, best: float, seed: int, jobs: int | None
+) -> tuple[float | None, float, Array | None]:
+    """Return the largest shift that all re-solves came back from, their share, a better path.
+
+    The share is that of the largest shift. Smaller ones are tried only where some do not return.
+    """
+    share = -1.0
+    level = TOLERANCE.same_objective * max(1.0, abs(best))
+    for number, shift in enumerate(SHIFTS):
+        direction = generator(seed, 30, number).standard_normal((RETURNS, *q.shape))
+        direction /= np.linalg.norm(direction, axis=2, keepdims=True)
+        # A joint with little room, such as a short prismatic one, moves less.
+        room = np.minimum(1.0, (problem.upper - problem.lower) / 2.0)
+        starts = np.clip(q + shift * direction * room, problem.lower, problem.upper)
+        ends = engine.solve_many(problem, starts, jobs=jobs)
+        value = np.where(ends.converged, ends.objective, np.inf)
+        lowest = int(np.argmin(value))
+        if value[lowest] < best - level:
+            return None, 0.0, polished(problem, ends.q[lowest])
+        back = [ok and same_path(end, q) for end, ok in zip(ends.q, ends.converged, strict=True)]
+        here = float(np.mean(back))
+        share = here if share < 0.0 else share
+        if here == 1.0:
+            return shift, share, None
+    return None, share, None
+
+
+def _sigma_min(first: Stationarity) -> float:
+    """Return the smallest singular value of any point's free pose Jacobian."""
+    smallest = np.inf
+    for i, J in enumerate(first.jacobians):
+        free = first.free_jacobian(i)
+        if free.shape[1] < len(J):
+            return 0.0  # more pose rows than joints that may move
+        smallest = min(smallest, float(np.linalg.svd(free, compute_uv=False)[-1]))
+    return smallest
