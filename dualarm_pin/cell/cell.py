@@ -14,6 +14,7 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from dualarm_pin.cell.clearance import smallest
 from dualarm_pin.cell.document import Placed
 from dualarm_pin.cell.geometry import Bodies, build_bodies
 from dualarm_pin.cell.nouns import Arm, Clearance, Joint, SourceFile
@@ -186,39 +187,47 @@ class Cell:
         """Pairs that are not checked because they touch in nearly every posture."""
         return self._bodies[1]
 
-    def clearance(self, q: ArrayLike) -> Clearance | None:
-        """Return the smallest distance at q (n,), or None where bodies are missing.
+    def clearance(
+        self, q: ArrayLike, *, between_arms: bool = False, exact: bool = False
+    ) -> Clearance | None:
+        """Return the smallest distance at q (n,), or None where it is not known.
+
+        It is known if every collision body could be loaded and there is a pair to compare.
+
+        Args:
+            q: Joints (n,) [rad or m].
+            between_arms: Only between the arms, not within one.
+            exact: With the meshes as they are. By default their convex hulls are taken, which
+                never say more than there is and are a hundred times faster.
 
         Raises:
             ShapeError: q does not have n values.
         """
         q = self.model_q(q)
-        bodies = self._bodies[0]
-        if bodies.missing or not len(bodies.model.collisionPairs):
+        hulls = self._bodies[0]
+        if hulls.missing:
             return None
-        data, scene = self._scratch()
-        nearest = pin.computeDistances(self.model, data, bodies.model, scene, q)
-        pair = bodies.model.collisionPairs[nearest]
-        distance = float(scene.distanceResults[nearest].min_distance)
-        return Clearance(distance, bodies.links[pair.first], bodies.links[pair.second])
+        meshes = self._meshes if exact else None
+        return smallest(self.model, hulls, q, _scratch_of(self), between_arms, meshes)
 
     def data(self) -> pin.Data:
         """Return scratch data of this thread; whatever it holds is overwritten by the next call."""
         return _scratch_of(self)["data"]
 
-    def _scratch(self) -> tuple[pin.Data, pin.GeometryData]:
-        scratch = _scratch_of(self)
-        if "scene" not in scratch:
-            scratch["scene"] = self.collision.createData()
-        return scratch["data"], scratch["scene"]
-
     @cached_property
     def _bodies(self) -> tuple[Bodies, tuple[str, ...]]:
-        bodies = build_bodies(self.model, self._robots, "collision", self._package_dirs)
+        bodies = build_bodies(self.model, self._robots, "collision", self._package_dirs, True)
         # The same postures on every machine: which pairs are dropped must not depend on luck.
         draw = np.random.default_rng(0).uniform(self.lower, self.upper, (100, self.n))
         q = draw @ self.joint_map.T + self.joint_offset
         return bodies, add_pairs(self.model, bodies, self._robots, self._disabled, q)
+
+    @cached_property
+    def _meshes(self) -> Bodies:
+        bodies = build_bodies(self.model, self._robots, "collision", self._package_dirs)
+        for pair in self.collision.collisionPairs:
+            bodies.model.addCollisionPair(pair)
+        return bodies
 
     @cached_property
     def _visual_bodies(self) -> Bodies:

@@ -38,8 +38,9 @@ def build_bodies(
     robots: Sequence[Placed],
     kind: Literal["visual", "collision"],
     package_dirs: Sequence[Path],
+    hulls: bool = False,
 ) -> Bodies:
-    """Return all bodies of one kind; collision meshes become their convex hulls."""
+    """Return all bodies of one kind, meshes as they are or as their convex hulls."""
     geometry = pin.GeometryModel()
     links: list[str] = []
     missing: dict[str, None] = {}
@@ -56,7 +57,7 @@ def build_bodies(
             for number, shape in enumerate(shapes):
                 folder = robot.file.resolve().parent
                 try:
-                    body, path = _body(shape, folder, package_dirs, kind == "collision")
+                    body, path = _body(shape, folder, package_dirs, hulls)
                 except DualArmError as error:
                     missing[f"{placed.link(link.name)}: {error}"] = None
                     continue
