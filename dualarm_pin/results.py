@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -40,6 +41,16 @@ def load_result(folder: str | Path) -> tuple[Task, Trajectory]:
     return Task.load(folder / "task.yaml"), trajectory
 
 
+def labels(folders: Sequence[Path]) -> list[str]:
+    """Return a label for each folder: its name, or as much of its path as tells them apart."""
+    parts = [folder.resolve().parts[::-1] for folder in folders]
+    for depth in range(1, max(map(len, parts)) + 1):
+        names = ["/".join(reversed(part[:depth])) for part in parts]
+        if len(set(names)) == len(names):
+            return names
+    return [f"{name} ({number})" for number, name in enumerate(names, 1)]
+
+
 def summary(task: Task, trajectory: Trajectory) -> str:
     """Return a result as a few lines of text."""
     t = trajectory
@@ -63,5 +74,5 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     ]
     sentences = t.extra.get("evidence_text")
     if sentences:
-        lines += [f"evidence     {sentences}"]
+        lines += ["evidence     " + str(sentences).replace("\n", "\n" + " " * 13)]
     return "\n".join(lines)

@@ -43,12 +43,21 @@ class LawCount:
         converged: How many ended feasible and converged.
         minima: How many distinct minima they found (by joints, then objective).
         best_hits: How many ended in the best minimum of all laws.
+        singletons: Minima that one start alone led to.
+        twins: Other minima with the objective of the best, such as mirror images.
+        second_best: Lowest objective of another minimum; None if there is none.
+        last_improvement: Number of the start that first found the best, from 1; None if none did,
+            or the law does not number them.
     """
 
     starts: int
     converged: int
     minima: int
     best_hits: int
+    singletons: int = 0
+    twins: int = 0
+    second_best: float | None = None
+    last_improvement: int | None = None
 
 
 @dataclass(frozen=True)

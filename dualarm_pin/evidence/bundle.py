@@ -7,6 +7,7 @@ below the sum of the minima; its highest point within a box is tried next.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -38,13 +39,23 @@ class Planes:
             mine = getattr(self, name)
             setattr(self, name, np.concatenate([mine[:1], mine[first:], getattr(other, name)]))
 
+    def take(self, which: Sequence[int] | NDArray[np.int64]) -> Planes:
+        """Return some of the planes."""
+        at = np.asarray(which, dtype=np.int64)
+        return Planes(self.offset[at], self.slope[at], self.path[at])
+
+    def height(self, theta: Array) -> Array:
+        """Return the height (p,) of each plane at theta (d,)."""
+        height: Array = self.offset + self.slope @ theta
+        return height
+
     def lowest(self, theta: Array) -> float:
-        """Return the lowest plane at theta (d,)."""
-        return float(np.min(self.offset + self.slope @ theta))
+        """Return the height of the lowest plane at theta (d,)."""
+        return float(np.min(self.height(theta)))
 
     def lowest_path(self, theta: Array) -> Array:
         """Return the path (points, n) of the lowest plane at theta (d,)."""
-        path: Array = self.path[int(np.argmin(self.offset + self.slope @ theta))]
+        path: Array = self.path[int(np.argmin(self.height(theta)))]
         return path
 
 

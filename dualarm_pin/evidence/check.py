@@ -6,18 +6,21 @@ It shows a strict local minimum, within floating point, and nothing beyond its o
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.engine.solve import Options
 from dualarm_pin.evidence.kkt import Stationarity, curvature_min, stationarity
 from dualarm_pin.multistart.starts import generator
 from dualarm_pin.problem import Problem
 from dualarm_pin.solvers import engine
 from dualarm_pin.solvers.ends import same_path
 from dualarm_pin.tolerance import TOLERANCE
+
+if TYPE_CHECKING:
+    from dualarm_pin.engine.solve import Options
 
 Array = NDArray[np.float64]
 
@@ -140,16 +143,18 @@ def check_minimum(problem: Problem, q: Array, *, seed: int, jobs: int | None = N
 def polished(problem: Problem, q: Array) -> Array:
     """Return q (k, n) at the polish tolerance, or q itself where the solver did worse."""
     for tolerance in (TOLERANCE.polish, TOLERANCE.search):  # round-off may bar the first
-        end = engine.solve(problem, q, options=_near(tolerance))
+        end = engine.solve(problem, q, options=near(tolerance))
         same_level = end.objective <= problem.objective(q) + TOLERANCE.same_objective
         if end.converged and end.feasible and same_level:
             return end.q
     return q
 
 
-def _near(tolerance: float) -> Options:
-    """Return options for a start close to its minimum."""
-    return replace(Options(), tolerance=tolerance, mu0=1e-4, push=1e-4)
+def near(tolerance: float, mu0: float = 1e-4) -> Options:
+    """Return options for a start close to its minimum, which should stay near its bounds."""
+    from dualarm_pin.engine.solve import Options
+
+    return Options(tolerance=tolerance, mu0=mu0, push=mu0)
 
 
 def _returns(

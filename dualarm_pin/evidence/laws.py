@@ -1,7 +1,8 @@
-"""Counts of the two start laws, and when they suffice.
+"""Counts of the two start laws, what they say, and when they suffice.
 
 "Best value hit k times" alone is a bad rule: a worse minimum often draws ten times the starts of
-the best. Two different laws must agree, each with enough starts and hits.
+the best. Two different laws must agree, each with enough starts and hits. Statistics of one law
+say nothing about paths which that law cannot reach.
 """
 
 from __future__ import annotations
@@ -12,7 +13,8 @@ from numpy.typing import NDArray
 from dualarm_pin.multistart import anchored, whole
 from dualarm_pin.multistart.anchored import AnchoredSearch
 from dualarm_pin.multistart.whole import WholePathSearch
-from dualarm_pin.solvers.ends import distinct, same_path
+from dualarm_pin.solvers.ends import Ends, distinct, same_path
+from dualarm_pin.tolerance import TOLERANCE
 from dualarm_pin.trajectory import LawCount
 
 Array = NDArray[np.float64]
@@ -33,31 +35,53 @@ def count_laws(
     laws = {}
     drawn = anchored_search.starts_by_path()
     if drawn is not None:
-        starts, ends, weight = drawn
-        hit = [
-            bool(ok) and same_path(q, best) for q, ok in zip(ends.q, ends.converged, strict=True)
-        ]
-        laws[anchored.NAME] = LawCount(
-            starts=starts,
-            converged=int(weight[ends.converged].sum()),
-            minima=len(distinct(ends)),
-            best_hits=int(weight[hit].sum()),
-        )
-    ends = whole_search.ends
-    if ends is not None:
-        minima = distinct(ends)
-        hits = [
-            int(count)
-            for q, count in zip(minima.ends.q, minima.hits, strict=True)
-            if same_path(q, best)
-        ]
-        laws[whole.NAME] = LawCount(
-            starts=len(ends),
-            converged=int(ends.converged.sum()),
-            minima=len(minima),
-            best_hits=sum(hits),
-        )
+        starts, refined, weight = drawn
+        laws[anchored.NAME] = count(refined, best, weight=weight, starts=starts)
+    if whole_search.ends is not None:
+        laws[whole.NAME] = count(whole_search.ends, best)
     return laws
+
+
+def count(
+    ends: Ends,
+    best: Array,
+    *,
+    weight: NDArray[np.int64] | None = None,
+    starts: int | None = None,
+) -> LawCount:
+    """Count the ends of one law.
+
+    Args:
+        ends: Where its starts ended.
+        best: The best path (k, n).
+        weight: How many starts led to each end (s,); None for one each, in their order.
+        starts: Starts in all, those included that led to no end; None for the sum of `weight`.
+    """
+    in_order = weight is None
+    weight = np.ones(len(ends), dtype=np.int64) if weight is None else weight
+    minima = distinct(ends)
+    label = minima.label
+    drawn = np.zeros(len(minima), dtype=np.int64)
+    np.add.at(drawn, label[label >= 0], weight[label >= 0])
+    is_best = np.array([same_path(q, best) for q in minima.ends.q], dtype=bool)
+    value = minima.ends.objective
+    others = value[~is_best]
+    twins = 0
+    if is_best.any():
+        lowest = float(value[is_best].min())
+        level = TOLERANCE.same_objective * max(1.0, abs(lowest))
+        twins = int(np.sum(np.abs(others - lowest) < level))
+    found = np.flatnonzero((label >= 0) & np.isin(label, np.flatnonzero(is_best)))
+    return LawCount(
+        starts=int(weight.sum()) if starts is None else starts,
+        converged=int(weight[ends.converged].sum()),
+        minima=len(minima),
+        best_hits=int(drawn[is_best].sum()),
+        singletons=int(np.sum(drawn == 1)),
+        twins=twins,
+        second_best=float(others.min()) if len(others) else None,
+        last_improvement=int(found[0]) + 1 if in_order and len(found) else None,
+    )
 
 
 def laws_suffice(laws: dict[str, LawCount]) -> bool:
@@ -75,3 +99,27 @@ def missed_share(laws: dict[str, LawCount]) -> float | None:
     """
     counts = [law.starts for law in laws.values() if law.starts]
     return 1.0 - 0.05 ** (1.0 / min(counts)) if len(counts) == 2 else None
+
+
+def unseen_share(law: LawCount) -> float | None:
+    """Return the Good-Turing share of starts that would end in a minimum not seen yet.
+
+    It is about minima of any quality: 1 % unseen is no statement about better ones.
+    """
+    return law.singletons / law.converged if law.converged else None
+
+
+def expected_better(law: LawCount) -> float | None:
+    """Return a rough, by experience high, number of better minima that were not seen.
+
+    With W minima in N starts, W (N - 1) / (N - W - 2) minima exist in the mean (Boender and
+    Rinnooy Kan); if unseen ones are like seen ones, each beats the record with 1 / (W + 1).
+
+    Returns:
+        At most 1; None where N <= W + 2 says nothing.
+    """
+    found, n = law.minima, law.converged
+    if found == 0 or n <= found + 2:
+        return None
+    exist = found * (n - 1) / (n - found - 2)
+    return float(min(1.0, (exist - found) / (found + 1)))

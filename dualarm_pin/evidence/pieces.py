@@ -7,6 +7,7 @@ is. So for any theta the sum of the pieces' own minima is at most the objective 
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -71,7 +72,7 @@ def split(problem: Problem, cuts: Cuts) -> list[Piece]:
     linear = None if problem.linear is None else problem.linear * share[:, None]
     halved = replace(problem, index_weight=problem.index_weight * share, linear=linear)
     pieces = []
-    for number, (begin, end) in enumerate(zip(ends[:-1], ends[1:], strict=True)):
+    for number, (begin, end) in enumerate(itertools.pairwise(ends)):
         before = problem.before if begin == 0 else None
         after = problem.after if end == problem.k - 1 else None
         weights = list(problem.link_weight[begin:end])
@@ -125,4 +126,4 @@ def _sharp(problem: Problem) -> NDArray[np.bool_]:
     bend = np.zeros(problem.k)
     bend[:-1] += turn
     bend[1:] += turn
-    return bend > 2.0 * bend.mean() + 1e-9
+    return np.asarray(bend > 2.0 * bend.mean() + 1e-9)
