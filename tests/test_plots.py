@@ -22,7 +22,7 @@ def moves():
 
 def test_path_is_drawn_flat_with_the_points_of_the_first_stage():
     path = corner()
-    ax = plots.figure_path(path, [1, 7, 13, 19, 25, 31]).axes[0]
+    ax = plots.figure_path(path, [0, 6, 12, 18, 24, 30]).axes[0]
     np.testing.assert_array_equal(ax.lines[0].get_xydata(), path.position[:, :2])
     np.testing.assert_array_equal(ax.lines[2].get_xydata()[3], path.position[18, :2])
     assert ax.get_xlabel().endswith("[m]")

@@ -19,7 +19,8 @@ def figure_path(path: Path, Gamma: Sequence[int] | None = None, *, title: str = 
 
     Args:
         path: The path, h points.
-        Gamma: Points of the first stage, counted from 1 as in the paper.
+        Gamma: Points of the first stage, counted from 0 as everywhere in the package; the figure
+            counts them from 1, as the paper does.
         title: Title of the figure.
     """
     x = path.position
@@ -33,12 +34,12 @@ def figure_path(path: Path, Gamma: Sequence[int] | None = None, *, title: str = 
     ax.plot(*points.T, color=COLOURS[0], lw=1.6, marker="o", ms=3.5, label=f"{path.h} points")
     ax.plot(*points[:1].T, "o", ms=9, mfc="none", color=INK, label="first point", ls="none")
     if Gamma is not None:
-        chosen = points[np.asarray(Gamma) - 1]
+        chosen = points[np.asarray(Gamma)]
         ax.plot(*chosen.T, "D", ms=8, mfc="none", mew=1.6, color=COLOURS[1], label=r"$\Gamma$")
         if flat:
             for number, place in zip(Gamma, chosen, strict=True):
                 ax.annotate(
-                    str(number), place, (7, 7), textcoords="offset points", color=COLOURS[1]
+                    str(number + 1), place, (7, 7), textcoords="offset points", color=COLOURS[1]
                 )
     ax.set_xlabel(names[0])
     ax.set_ylabel(names[1])

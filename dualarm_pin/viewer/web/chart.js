@@ -45,7 +45,7 @@ DA.Chart = class {
   draw() {
     const w = this.element.clientWidth, h = this.element.clientHeight, { spec } = this;
     if (!w || !h) return;
-    const bare = spec.bare, m = bare ? { l: 0, r: 0, t: 3, b: 3 } : { l: 46, r: 10, t: 8, b: 30 };
+    const bare = spec.bare, m = bare ? { l: 0, r: 0, t: 3, b: 3 } : { l: 46, r: 10, t: 8, b: spec.small ? 18 : 30 };
     Object.assign(this, { w, h, m });
     const [low, high] = this.domain(), X = (t) => m.l + t * (w - m.l - m.r);
     const Y = (v) => h - m.b - ((v - low) / (high - low)) * (h - m.t - m.b);
@@ -53,7 +53,9 @@ DA.Chart = class {
     const n = DA.h, parts = [];
     const line = (x1, y1, x2, y2, c) => n("line", { x1, y1, x2, y2, class: c });
     if (!bare) {
-      for (const v of DA.Chart.ticks(low, high, Math.max(2, (h - 40) / 34))) {
+      const [from, to] = spec.bounds || [];
+      const levels = spec.bounds ? [from, ...(from < 0 && to > 0 ? [0] : []), to] : DA.Chart.ticks(low, high, Math.max(2, (h - 40) / 34));
+      for (const v of levels) {
         parts.push(line(m.l, Y(v), w - m.r, Y(v), "grid"), n("text", { x: m.l - 6, y: Y(v) + 4, class: "tick end" }, DA.number(v, 4)));
       }
       const xs = spec.x.values, last = xs[xs.length - 1], first = xs[0];
@@ -63,7 +65,8 @@ DA.Chart = class {
         const t = (v - first) / (last - first);
         parts.push(line(X(t), m.t, X(t), h - m.b, "grid"), n("text", { x: X(t), y: h - m.b + 14, class: "tick mid" }, DA.number(v, 4)));
       }
-      parts.push(line(m.l, h - m.b, w - m.r, h - m.b, "axis"), n("text", { x: (m.l + w - m.r) / 2, y: h - 3, class: "tick mid" }, spec.x.label));
+      parts.push(line(m.l, h - m.b, w - m.r, h - m.b, "axis"));
+      if (!spec.small) parts.push(n("text", { x: (m.l + w - m.r) / 2, y: h - 3, class: "tick mid" }, spec.x.label));
     }
     if (spec.bounds) {
       const [a, b] = spec.bounds.map(Y);

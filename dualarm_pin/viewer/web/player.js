@@ -88,7 +88,7 @@ DA.Player = class {
       ["one", "overlay", "side"].map((m) => n("button", { type: "button", "data-mode": m, onclick: () => this.layout(m) }, { one: "One", overlay: "Overlay", side: "Side by side" }[m])));
     const views = n("div", { class: "modes", role: "group", "aria-label": "Camera" },
       ["corner", "front", "side", "top", "close"].map((v) => n("button", { type: "button", onclick: () => this.look(v) }, v)));
-    const panel = n("details", { class: "panel", open: window.innerWidth > 760 },
+    const panel = n("details", { class: "panel", open: this.element.classList.contains("whole") && window.innerWidth > 760 },
       n("summary", { title: "Show or hide this panel" }, "View"),
       n("h2", {}, "Runs"), n("ol", { class: "runs" }, rows), modes,
       n("h2", {}, "Show"),

@@ -97,8 +97,8 @@ DA.Stage = class {
     const directions = { corner: turned(0.42, 0.42), front: turned(0, 0.12), side: turned(Math.PI / 2, 0.2), top: turned(0, 20), close: turned(0.5, 0.55) };
     const at = view === "close" ? point : this.centre;
     const camera = this.viewer.camera, half = (camera.fov * Math.PI) / 360;
-    const narrow = Math.min(1, camera.aspect);
-    const distance = view === "close" ? this.radius * 0.8 : this.radius / Math.sin(Math.atan(Math.tan(half) * narrow)) / (narrow < 1 ? 1.12 : 1.42);
+    const narrow = Math.min(1, camera.aspect), near = view === "side" ? 1.35 : 1;
+    const distance = view === "close" ? this.radius * 0.8 : near * this.radius / Math.sin(Math.atan(Math.tan(half) * narrow)) / (narrow < 1 ? 1.12 : 1.42);
     const eye = directions[view].normalize().multiplyScalar(distance).add(at);
     // meshcat's world is z up inside a y up scene.
     this.viewer.controls.target.set(at.x, at.z, -at.y);

@@ -1,0 +1,126 @@
+"""Show a page on a local address, and leave nothing behind.
+
+The server lives inside the program: no other process, no port that outlives it. It listens on the
+loopback address alone, so nobody else on the network can look.
+"""
+
+from __future__ import annotations
+
+import signal
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from http import HTTPStatus
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from types import FrameType
+
+from dualarm_pin.errors import InputError
+
+_LOOPBACK = "127.0.0.1"
+
+
+@contextmanager
+def serving(page: bytes, port: int = 0) -> Iterator[str]:
+    """Serve `page` while the block runs and give its address.
+
+    Args:
+        page: The whole page; it asks for nothing else.
+        port: Port, or 0 for a free one.
+
+    Raises:
+        InputError: The port is taken, or there is no such port.
+    """
+    try:
+        server = _Server((_LOOPBACK, port), _handler(page))
+    except (OSError, OverflowError) as error:
+        raise InputError(
+            f"port {port} cannot be used ({error}): choose another, or 0 for a free one",
+            field="--port",
+        ) from error
+    thread = threading.Thread(target=server.serve_forever, args=(0.1,), daemon=True)
+    thread.start()
+    try:
+        yield f"http://{_LOOPBACK}:{server.server_port}/"
+    finally:
+        server.shutdown()
+        thread.join()
+        server.server_close()
+
+
+def serve(
+    page: bytes,
+    port: int = 0,
+    open_browser: bool = True,
+    *,
+    ready: Callable[[str], None] = print,
+) -> None:
+    """Serve `page` until Ctrl-C or SIGTERM, then close the port and return.
+
+    Args:
+        page: The whole page.
+        port: Port, or 0 for a free one.
+        open_browser: Open the page in the user's browser.
+        ready: Told the address once the page can be opened.
+
+    Raises:
+        InputError: The port is taken, or there is no such port.
+    """
+    ended = threading.Event()
+    with serving(page, port) as address, _on_terminate(ended.set):
+        ready(address)
+        if open_browser:
+            import webbrowser  # looks for browsers when imported
+
+            # A browser that stays in the foreground must not keep the program from ending.
+            threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
+        with suppress(KeyboardInterrupt):
+            ended.wait()
+
+
+@contextmanager
+def _on_terminate(act: Callable[[], None]) -> Iterator[None]:
+    if threading.current_thread() is not threading.main_thread():
+        yield  # only the main thread may set handlers; there the caller ends the program
+        return
+
+    def handle(_signal: int, _frame: FrameType | None) -> None:
+        act()
+
+    before = signal.signal(signal.SIGTERM, handle)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
+
+
+class _Server(ThreadingHTTPServer):
+    daemon_threads = True
+    block_on_close = False
+    # A second program on the same port must be told so rather than share it.
+    allow_reuse_port = False
+
+
+def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
+    class Handler(BaseHTTPRequestHandler):
+        def do_GET(self) -> None:
+            if not self._addressed_here():
+                self.send_error(HTTPStatus.FORBIDDEN, "not served under this name")
+            elif self.path.split("?")[0] != "/":
+                self.send_error(HTTPStatus.NOT_FOUND)
+            else:
+                self.send_response(HTTPStatus.OK)
+                self.send_header("Content-Type", "text/html; charset=utf-8")
+                self.send_header("Content-Length", str(len(page)))
+                self.send_header("Cache-Control", "no-store")
+                self.end_headers()
+                self.wfile.write(page)
+
+        def _addressed_here(self) -> bool:
+            # A web site that points its own name at this address must not read the page.
+            host = self.headers.get("Host", "").rsplit(":", 1)[0]
+            return host in (_LOOPBACK, "localhost")
+
+        def log_message(self, format: str, *args: object) -> None:
+            """Stay silent: the terminal belongs to the command."""
+
+    return Handler
