@@ -17,8 +17,8 @@ import numpy as np
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text
-from dualarm_pin.multistart.workers import Workers
 from dualarm_pin.multistart.starts import generator
+from dualarm_pin.multistart.workers import Workers
 from dualarm_pin.planners import plan_local, plan_two_stage, polish
 from dualarm_pin.planners.reach import feasible_postures
 from dualarm_pin.progress import SILENT, Progress

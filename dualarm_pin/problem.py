@@ -267,7 +267,7 @@ def _axis_error(error: Array, axis: Array) -> tuple[Array, Array]:
     normals = np.linalg.svd(axis[None])[2][1:]
     tilted = error @ axis
     # |normals . tilted| = sin(angle) = 2 sin(half) cos(half), and 1 + axis . tilted = 2 cos(half)^2
-    half = np.sqrt(max((1.0 + axis @ tilted) / 2.0, 1e-12))
+    half = float(np.sqrt(max(0.5 + 0.5 * float(axis @ tilted), 1e-12)))
     residual = normals @ tilted / half
     turn = _skew(tilted)  # d tilted = omega x tilted = -[tilted]x omega
     slope = -normals @ turn / half + np.outer(residual, axis @ turn) / (4.0 * half**2)

@@ -104,8 +104,8 @@ class Task:
         except InputError as error:
             if error.file is not None or error.field is None:
                 raise
-            keys = [int(k) if k.isdigit() else k for k in error.field.split(".")]
-            raise source.error(error.message, keys) from error
+            field = [int(k) if k.isdigit() else k for k in error.field.split(".")]
+            raise source.error(error.message, field) from error
 
     @classmethod
     def _from_spec(

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.errors import ShapeError
+from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.problem import index_value
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE, Tolerance
@@ -61,12 +61,15 @@ def verify(
 
     Raises:
         ShapeError: q does not have a row for each point and a column for each joint.
+        InputError: A joint is NaN or infinite.
     """
     cell, path = task.cell, task.path
     expected = (path.h, cell.n)
     if np.shape(q) != expected:
         raise ShapeError(f"expected shape {expected}, given {np.shape(q)}", field="q")
-    finite = bool(np.all(np.isfinite(q)))
+    if not np.all(np.isfinite(q)):
+        point = int(np.argmin(np.isfinite(q).all(axis=1))) + 1
+        raise InputError(f"the joints of point {point} are not finite", field="q")
     points = [Relative(cell, q_i) for q_i in q]
     bounds = (cell.lower, cell.upper)
     index = np.array(
@@ -88,7 +91,7 @@ def verify(
         ]
     )
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
-    distances = [cell.clearance(q_i) for q_i in q] if clearance and finite else [None]
+    distances = [cell.clearance(q_i) for q_i in q] if clearance else [None]
     step = float(np.max(np.abs(np.diff(q, axis=0)))) if len(q) > 1 else 0.0
     return Verification(
         index=index,
@@ -102,8 +105,7 @@ def verify(
             [np.linalg.svd(point.J_r, compute_uv=False)[-1] for point in points]
         ),
         max_joint_step=step,
-        found=finite
-        and bool(np.all(position_error <= tolerance.position))
+        found=bool(np.all(position_error <= tolerance.position))
         and bool(np.all(rotation_error <= tolerance.rotation))
         and bool(np.all(violation <= tolerance.bound)),
     )

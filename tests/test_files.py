@@ -19,7 +19,7 @@ class Inner(Spec):
 
 class Outer(Spec):
     inner: Inner = Inner()
-    items: list[Inner] = []
+    items: list[Inner] = Field(default_factory=list)
     count: int = 0
 
 

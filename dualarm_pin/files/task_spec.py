@@ -122,7 +122,7 @@ def read_task(
     try:
         cell = read_yaml(task.path.parent / named)
     except MissingFileError as error:
-        raise task.error(f"the cell {str(error)}", ["cell"]) from error
+        raise task.error(f"the cell {error}", ["cell"]) from error
     return task, Source(cell.path, _changed(cell.data, cells)), ()
 
 

@@ -144,11 +144,11 @@ class AnchoredSearch:
     def _unrefined(self, anchor: Anchor, refinements: int | None) -> list[Array]:
         if anchor.minima is None:
             return []
-        chosen = []
-        for q in anchor.minima.ends.q[:refinements, 0]:
-            if not any(same_path(q, seed) for seed in anchor.seeds):
-                chosen.append(q)
-        return chosen
+        return [
+            q
+            for q in anchor.minima.ends.q[:refinements, 0]
+            if not any(same_path(q, seed) for seed in anchor.seeds)
+        ]
 
     def _hits(self, anchor: Anchor) -> list[int]:
         """Return how many postures led to each refined path of an anchor."""

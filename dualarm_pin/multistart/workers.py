@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import pickle
 import signal
+import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from typing import Any, TypeVar
@@ -23,7 +24,7 @@ class Workers:
     """A pool of processes, started when it is first needed.
 
     Use as a context manager; one pool serves all stages of a planner. Ctrl-C stops the work: what
-    is finished is kept, and `interrupted` tells.
+    is finished is kept, and `interrupted` tells. `cpu_s` sums the processor time of the processes.
 
     Args:
         jobs: Number of processes; 1 runs in this process, None takes the processors there are.
@@ -32,6 +33,7 @@ class Workers:
     def __init__(self, jobs: int | None = None) -> None:
         self.jobs = available_processors() if jobs is None else max(1, jobs)
         self.interrupted = False
+        self.cpu_s = 0.0
         self._pool: ProcessPoolExecutor | None = None
 
     def __enter__(self) -> Workers:
@@ -103,12 +105,19 @@ class Workers:
             self._pool = ProcessPoolExecutor(
                 self.jobs, multiprocessing.get_context("spawn"), _leave_ctrl_c_to_the_parent
             )
-        futures: dict[Future[Result], int] = {
-            self._pool.submit(function, *arguments): position
+        futures: dict[Future[tuple[Result, float]], int] = {
+            self._pool.submit(_timed, function, arguments): position
             for position, arguments in enumerate(calls)
         }
         for future in as_completed(futures):
-            yield futures[future], future.result()
+            result, cpu_s = future.result()
+            self.cpu_s += cpu_s
+            yield futures[future], result
+
+
+def _timed(function: Callable[..., Result], arguments: tuple[Any, ...]) -> tuple[Result, float]:
+    begun = time.process_time()
+    return function(*arguments), time.process_time() - begun
 
 
 def available_processors() -> int:

@@ -60,7 +60,8 @@ def plan_two_stage(
 
     Args:
         task: What is asked.
-        starts: Starts of stage 1, and of every gap of the two best basins in stage 2.
+        starts: Starts of stage 1, and of every gap of the best basin in stage 2; the other basins
+            get a tenth.
         seed: Seed of the starts.
         jobs: Number of processes; None takes the processors there are.
         basins: How many distinct minima of stage 1 are carried on.
@@ -97,9 +98,9 @@ def plan_two_stage(
         few = max(1, starts // 10)
         paths = _fill_all(task, candidates, few, inner, seed, options, pool, progress)
         if paths and starts > few and not pool.interrupted:
-            # The leaders get the full number of starts, the rest had the likely ones.
-            leaders = [candidates[number] for number, _, _ in paths[:2]]
-            again = _fill_all(task, leaders, starts, inner, seed, options, pool, progress)
+            # The leader gets the full number of starts, the rest had the likely ones.
+            leader = [candidates[paths[0][0]]]
+            again = _fill_all(task, leader, starts, inner, seed, options, pool, progress)
             paths = sorted([*paths, *again], key=lambda path: path[1])
         if not paths:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
@@ -109,7 +110,7 @@ def plan_two_stage(
             paths[0][2],
             method="two-stage",
             solver=nlopt_slsqp.NAME,
-            timing=clock.read(),
+            timing=clock.read(workers_cpu_s=pool.cpu_s),
             seed=seed,
             evidence=Evidence(laws={"stage 1": law}),
             extra={

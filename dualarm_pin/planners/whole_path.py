@@ -9,9 +9,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.evidence.check import LocalCheck, check_minimum
 from dualarm_pin.evidence.laws import count_laws, laws_suffice
-from dualarm_pin.evidence.verdict import Findings, conclude
 from dualarm_pin.multistart.anchored import AnchoredSearch
 from dualarm_pin.multistart.whole import WholePathSearch
 from dualarm_pin.planners.finish import Clock, finish
@@ -82,6 +80,9 @@ def plan_global(
         The best path of all starts; after Ctrl-C the best so far. `found` is False where no
         start reached every point.
     """
+    from dualarm_pin.evidence.check import check_minimum
+    from dualarm_pin.evidence.verdict import Findings, conclude
+
     budget = BUDGETS[effort]
     if starts is not None:
         budget = replace(budget, starts=starts if budget.starts else 0, most_starts=starts)
@@ -198,4 +199,4 @@ def _until_ctrl_c(work: Callable[[], None]) -> bool:
     return False
 
 
-__all__ = ["BUDGETS", "Budget", "Effort", "LocalCheck", "plan_global", "polish"]
+__all__ = ["BUDGETS", "Budget", "Effort", "plan_global", "polish"]

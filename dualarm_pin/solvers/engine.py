@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 import weakref
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -90,7 +90,6 @@ def solve(
         message=outcome.message,
         start=number,
         wall_s=wall,
-        cpu_s=wall,
         iterations=outcome.iterations,
         extra={"outcome": outcome},
     )
@@ -130,6 +129,17 @@ def solve_many(
         converged=feasible & (batch.status == 0),
         iterations=batch.iterations,
     )
+
+
+def ensure_compiled(say: Callable[[str], None] = lambda line: None) -> float:
+    """Compile or load the engine; return the seconds that compiling took, 0 from the cache.
+
+    Args:
+        say: Told one line if the engine has to be compiled.
+    """
+    from dualarm_pin.engine import warm_up
+
+    return warm_up.ensure_compiled(say)
 
 
 def _chain(cell: Cell) -> Chain:

@@ -59,7 +59,7 @@ def solve(
     feasibility is a matter of 1e-10, not of the solver's tolerance.
     """
     options = options or SlsqpOptions()
-    begun, cpu = time.perf_counter(), time.thread_time()
+    begun = time.perf_counter()
     first, residual = project(problem, start, 1e-6)
     evaluation = _Evaluation(problem)
     optimiser = nlopt.opt(nlopt.LD_SLSQP, first.size)
@@ -94,7 +94,6 @@ def solve(
         message=reason,
         start=number,
         wall_s=time.perf_counter() - begun,
-        cpu_s=time.thread_time() - cpu,
         iterations=evaluation.count,
     )
 

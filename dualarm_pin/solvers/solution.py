@@ -24,8 +24,7 @@ class Solution:
         message: Why the solver stopped.
         start: Number of the start within its law.
         law: Name of the law that drew the start.
-        wall_s: Seconds by the clock.
-        cpu_s: Seconds of the processor.
+        wall_s: Seconds.
         iterations: Iterations, or evaluations where the solver counts those.
         extra: What else the solver knows, such as multipliers.
     """
@@ -39,6 +38,5 @@ class Solution:
     start: int = 0
     law: str = ""
     wall_s: float = 0.0
-    cpu_s: float = 0.0
     iterations: int = 0
     extra: dict[str, Any] = field(default_factory=dict)

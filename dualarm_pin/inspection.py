@@ -1,0 +1,110 @@
+"""Inspection: what was understood of a cell or task file, in words, for programs, as a picture."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dualarm_pin.cell import Cell
+from dualarm_pin.cell.entry import cell_from_source
+from dualarm_pin.cell.inspect import CellReport, describe
+from dualarm_pin.errors import InputError
+from dualarm_pin.files.source import read_yaml
+from dualarm_pin.multistart.starts import generator
+from dualarm_pin.path import Path as RelativePath
+from dualarm_pin.planners.reach import feasible_postures
+from dualarm_pin.task import Task
+
+_TRIES = 20
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """A cell, and the task around it if the file was a task.
+
+    Attributes:
+        cell: What `describe` says of the cell.
+        task: Facts of the task by name, or None.
+        subject: The cell or task itself.
+    """
+
+    cell: CellReport
+    task: dict[str, Any] | None
+    subject: Cell | Task
+
+    def as_dict(self) -> dict[str, Any]:
+        """Return everything as JSON values."""
+        return {"cell": self.cell.as_dict(), "task": self.task}
+
+    def as_text(self) -> str:
+        """Return everything as text."""
+        if self.task is None:
+            return self.cell.as_text()
+        lines = [
+            f"  {key.replace('_', ' '):<18}{_shown(value)}" for key, value in self.task.items()
+        ]
+        return "\n".join([self.cell.as_text(), "", "task", *lines])
+
+    def draw(self, file: Path) -> None:
+        """Write a page with the cell, on the path where there is one."""
+        from dualarm_pin.viewer import Run, write_player
+
+        if isinstance(self.subject, Task):
+            task = self.subject
+            q, _ = _first_posture(task)
+            run = Run("first point", np.tile(q, (task.path.h, 1)), np.zeros(task.path.h))
+            write_player(file, task.cell, task.path, [run], title=task.name)
+            return
+        cell = self.subject
+        q = (cell.lower + cell.upper) / 2.0
+        still = RelativePath(
+            np.repeat([[0.0, 0.0, 0.1], [0.0, 0.01, 0.1]], 1, axis=0), np.eye(3), name=cell.name
+        )
+        run = Run("middle of the bounds", np.tile(q, (2, 1)), np.zeros(2))
+        write_player(file, cell, still, [run], title=cell.name)
+
+
+def inspect(file: Path, overrides: Sequence[str] = ()) -> Inspection:
+    """Load a cell file or a task file and say what was understood.
+
+    Raises:
+        InputError: The file is neither, or something in it is wrong.
+    """
+    source = read_yaml(file)
+    if "cell" in source.data or "path" in source.data:
+        task = Task.load(file, overrides)
+        return Inspection(describe(task.cell), _facts(task), task)
+    if overrides:
+        raise InputError("--set changes a task file; this is a cell file", file=file)
+    cell = cell_from_source(source)
+    return Inspection(describe(cell), None, cell)
+
+
+def _facts(task: Task) -> dict[str, Any]:
+    path = task.path
+    _, residual = _first_posture(task)
+    return {
+        "name": task.name,
+        "points": path.h,
+        "length_m": float(path.arc_length[-1]),
+        "pose_rows": sorted({int(rows) for rows in path.rows}),
+        "index": task.index.name,
+        "smoothness": task.smoothness,
+        "Gamma": [point + 1 for point in task.Gamma],
+        "first_point_error": residual,
+        "first_point": "reached" if residual < 1e-6 else "not reached by random postures",
+    }
+
+
+def _first_posture(task: Task) -> tuple[Any, float]:
+    """Return the posture nearest to the first point of `_TRIES` random ones, and its error."""
+    found, closest, residual = feasible_postures(task.problem(), 0, 1, generator(0, 30), _TRIES)
+    return (found[0], residual) if found else (closest, residual)
+
+
+def _shown(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -1,0 +1,177 @@
+"""The command line as a user meets it: exit codes, one message for wrong input, files."""
+
+from __future__ import annotations
+
+import csv
+import json
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from dualarm_pin.files.resources import urdf_folder
+
+TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
+CELL = urdf_folder() / "cells" / "ns16_pair.yaml"
+
+
+def run(*arguments: object, cwd: Path, timeout: float = 180) -> subprocess.CompletedProcess[str]:
+    return subprocess.run(
+        [sys.executable, "-m", "dualarm_pin", *map(str, arguments)],
+        cwd=cwd,
+        capture_output=True,
+        text=True,
+        timeout=timeout,
+        check=False,
+    )
+
+
+def small_task(folder: Path, **changes: str) -> Path:
+    """Write a task of five points, some of its lines changed."""
+    lines = {
+        "cell": str(CELL),
+        "path": "{corner: {side: 0.15, fillet: 0.01, height: 0.3, points: [2, 1, 2]}, "
+        "rotation: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}",
+        "index": "{force: {direction: tangent}}",
+        "smoothness": "3.0",
+    } | changes
+    file = folder / "small.yaml"
+    file.write_text("\n".join(f"{k}: {v}" for k, v in lines.items() if v) + "\n")
+    return file
+
+
+def test_solve_writes_a_result_that_scripts_can_read(tmp_path: Path) -> None:
+    done = run("solve", small_task(tmp_path), "--method", "local", "--out", "r", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "found by local" in done.stdout
+    result = json.loads((tmp_path / "r" / "result.json").read_text())
+    assert result["found"] is True
+    assert result["method"] == "local"
+    assert len(result["index"]) == 5
+    assert result["joints"][0] == "arm1/joint_1"
+    with (tmp_path / "r" / "trajectory.csv").open(newline="") as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 5
+    assert list(rows[0])[:3] == ["point", "arc_length", "arm1/joint_1"]
+    assert sorted(p.name for p in (tmp_path / "r").iterdir()) == [
+        "result.json", "task.yaml", "trajectory.csv", "trajectory.npz",
+    ]  # fmt: skip
+
+
+def test_the_task_in_a_result_solves_again_to_the_same_answer(tmp_path: Path) -> None:
+    task = small_task(tmp_path)
+    first = run("solve", task, "--method", "local", "--out", "a", "--set", "smoothness=7",
+                "--set", "cell.arms.arm2.base.xyz=[2.45, 0, 0]", cwd=tmp_path)  # fmt: skip
+    second = run("solve", "a/task.yaml", "--method", "local", "--out", "b", cwd=tmp_path)
+    assert (first.returncode, second.returncode) == (0, 0), first.stderr + second.stderr
+    read = [(tmp_path / r / "trajectory.csv").read_text() for r in "ab"]
+    assert read[0] == read[1]
+    other = run("solve", task, "--method", "local", "--out", "c", cwd=tmp_path)
+    assert other.returncode == 0
+    assert (tmp_path / "c" / "trajectory.csv").read_text() != read[0]
+
+
+def test_an_unreachable_path_ends_with_1_and_its_result(tmp_path: Path) -> None:
+    task = small_task(tmp_path)
+    done = run("solve", task, "--method", "local", "--set", "path.corner.height=4.5",
+               "--out", "r", cwd=tmp_path)  # fmt: skip
+    assert done.returncode == 1
+    assert "point 1 of 5 has no solution" in done.stderr
+    result = json.loads((tmp_path / "r" / "result.json").read_text())
+    assert result["found"] is False
+    assert "point 1" in result["message"]
+
+
+BAD = {
+    "unknown key": ({"smothness": "3"}, r"small.yaml:5: smothness: unknown key: did you mean 'smo"),
+    "wrong type": ({"smoothness": "smooth"}, "small.yaml:4: smoothness"),
+    "negative": ({"smoothness": "-1"}, "small.yaml:4: smoothness"),
+    "missing cell": ({"cell": ""}, "cell: the path of a cell file is expected"),
+    "cell file gone": ({"cell": "gone.yaml"}, "small.yaml:1: cell"),
+    "unknown index": ({"index": "{forse: {}}"}, "small.yaml:3: index.forse: unknown key"),
+    "two indices": ({"index": "{force: {}, velocity: {}}"}, "small.yaml:3: index: name exactly one"),
+    "zero direction": ({"index": "{force: {direction: [0, 0, 0]}}"}, "small.yaml:3: index.force"),
+    "too few points": (
+        {"path": "{corner: {side: 0.15, fillet: 0.01, height: 0.3, points: [1, 0, 0]}}"},
+        "small.yaml:2: path",
+    ),
+    "no path": ({"path": ""}, "path: this key is missing"),
+    "joint weights": ({"index": "{force: {joint_weights: [1, 2]}}"}, "weight for each of 12 joints"),
+    "Gamma": ({"two_stage": "{Gamma: [1, 4]}"}, "small.yaml:5: two_stage.Gamma: expected increasing"),
+    "not YAML": ({"path": "{corner: [}"}, "small.yaml:2: not valid YAML"),
+}
+
+
+@pytest.mark.parametrize(("changes", "message"), BAD.values(), ids=BAD)
+def test_wrong_input_ends_with_2_and_one_message(
+    tmp_path: Path, changes: dict[str, str], message: str
+) -> None:
+    done = run("solve", small_task(tmp_path, **changes), "--out", "r", cwd=tmp_path)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+    assert not (tmp_path / "r").exists()
+
+
+COMMANDS = {
+    "no such file": (("solve", "gone.yaml"), "gone.yaml: no such file"),
+    "no such method": (("solve", TASK, "--method", "best"), "method"),
+    "no such solver": (("solve", TASK, "--method", "local", "--solver", "clamp"), "did you mean 'clamped'"),
+    "no such option": (("solve", TASK, "--efort", "quick"), "efort"),
+    "no such command": (("solv",), "solv"),
+    "starts": (("solve", TASK, "--starts", "0"), "--starts: at least 1 is expected"),
+    "seed": (("solve", TASK, "--seed", "-1"), "--seed: 0 or more"),
+    "bad --set": (("solve", TASK, "--set", "smoothness"), "give key=value"),
+    "unknown --set": (("solve", TASK, "--set", "smothness=3"), "unknown key"),
+    "cell --set": (("solve", TASK, "--set", "cell.arms.arm2.bsae.xyz=[1, 0, 0]"), "bsae"),
+    "no result": (("view", "."), "no result here"),
+    "nothing to view": (("view",), "RESULTS requires an argument"),
+    "out is a file": (("solve", TASK, "--method", "local", "--out", "file/x"), "cannot write here"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(("arguments", "message"), COMMANDS.values(), ids=COMMANDS)
+def test_a_wrong_command_ends_with_2_and_one_message(
+    tmp_path: Path, arguments: tuple[object, ...], message: str
+) -> None:
+    (tmp_path / "file").write_text("")
+    done = run(*arguments, cwd=tmp_path)
+    assert done.returncode == 2, done.stdout + done.stderr
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_version_and_help_end_with_0(tmp_path: Path) -> None:
+    assert run("--version", cwd=tmp_path).stdout.strip().count(".") == 2
+    for command in ((), ("solve",), ("paper",), ("view",), ("check",), ("bench",)):
+        done = run(*command, "--help", cwd=tmp_path)
+        assert done.returncode == 0
+        assert "Usage" in done.stdout
+
+
+def test_check_says_what_was_understood(tmp_path: Path) -> None:
+    done = run("check", CELL, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "arm1/joint_1" in done.stdout
+    done = run("check", TASK, "--json", cwd=tmp_path)
+    facts = json.loads(done.stdout)
+    assert facts["task"]["points"] == 31
+    assert facts["task"]["first_point"] == "reached"
+
+
+def test_ctrl_c_ends_at_once_without_a_traceback(tmp_path: Path) -> None:
+    process = subprocess.Popen(
+        [sys.executable, "-m", "dualarm_pin", "solve", str(TASK), "--method", "two-stage",
+         "--out", "r"],
+        cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    time.sleep(6)
+    process.send_signal(signal.SIGINT)
+    out, err = process.communicate(timeout=60)
+    assert "Traceback" not in err, err
+    assert process.returncode in (0, 1, 130)
+    if process.returncode == 0:  # what was finished became a whole, verified path
+        assert json.loads((tmp_path / "r" / "result.json").read_text())["found"] is True
