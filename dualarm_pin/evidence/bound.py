@@ -14,37 +14,13 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.evidence.bundle import highest
-from dualarm_pin.evidence.check import polished
-from dualarm_pin.evidence.piece_search import PieceSearch, SearchOptions, Wide
-from dualarm_pin.evidence.pieces import Cuts, cut_sets, split
+from dualarm_pin.evidence.ascent import Ascent, BoundOptions
+from dualarm_pin.evidence.check import LocalCheck, check_minimum
+from dualarm_pin.evidence.pieces import Cuts, cut_sets
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.solvers import engine
-from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True)
-class BoundOptions:
-    """How far the bound goes.
-
-    Attributes:
-        search: Starts of each piece.
-        steps: Most steps of the multipliers between two re-checks.
-        rounds: Most re-checks of one set of cuts.
-        closed: Relative gap at which the multipliers are good enough.
-        enough: Relative gap at which no other set of cuts is tried.
-        radius: First half-width of the box of a step, in objective per rad or m.
-    """
-
-    search: SearchOptions = field(default_factory=SearchOptions)
-    steps: int = 60
-    rounds: int = 4
-    closed: float = 1e-5
-    enough: float = 1e-3
-    radius: float = 0.5
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,6 +36,7 @@ class Bound:
         seconds: Wall time.
         tried: Re-checked value by set of cuts.
         better: A better path (k, n) found on the way, polished; None if there was none.
+        replaced: Objective of the incumbent before a better path took its place; None if none did.
         complete: False if Ctrl-C ended it early.
     """
 
@@ -68,9 +45,10 @@ class Bound:
     cuts: Cuts
     starts: tuple[int, ...]
     hits: tuple[int, ...]
-    seconds: float
+    seconds: float = 0.0
     tried: dict[Cuts, float] = field(default_factory=dict)
     better: Array | None = None
+    replaced: float | None = None
     complete: bool = True
 
     @property
@@ -84,8 +62,8 @@ class Bound:
         return max(0.0, self.objective - self.value) / max(abs(self.objective), 1e-12)
 
     def against(self, objective: float) -> Bound:
-        """Return the same bound compared with another path of the same problem."""
-        return replace(self, objective=objective, better=None)
+        """Return the same bound compared with the better path that it found."""
+        return replace(self, objective=objective, better=None, replaced=self.objective)
 
 
 def lower_bound(
@@ -123,10 +101,10 @@ def lower_bound(
             known = [q] if better is None else [better, q]
             ascent = Ascent(problem, known, cuts, seed=seed, jobs=jobs, options=options)
             result = ascent.run(progress)
-            better = ascent.better if better is None else better
+            better = better if ascent.better is None else ascent.better
             tried[cuts] = result.value
             if best is None or result.value > best.value:
-                best = result
+                best = Bound(result.value, ascent.objective, cuts, result.starts, result.hits)
             if best.gap < options.enough and min(best.hits) >= options.search.hits:
                 break
         complete = True
@@ -144,117 +122,30 @@ def lower_bound(
     )
 
 
-class Ascent:
-    """One set of cuts: multipliers raised, pieces re-checked, until both rest.
+def bound_minimum(
+    problem: Problem,
+    local: LocalCheck,
+    *,
+    seed: int,
+    jobs: int | None = None,
+    progress: Progress = SILENT,
+    options: BoundOptions | None = None,
+) -> tuple[LocalCheck, Bound | None]:
+    """Bound a checked path, and put the better one in its place if the bound finds one.
 
-    Attributes:
-        theta: The best multipliers (cuts, n).
-        value: The believed sum of the pieces' minima there; never returned as the bound.
-        better: A better path than those known, or None.
+    Args:
+        problem: The problem.
+        local: The check of the incumbent.
+        seed: Seed of the searches.
+        jobs: Threads; None takes the processors there are.
+        progress: Told where the work stands.
+        options: How far to go.
+
+    Returns:
+        The check of the path that is now best, and the bound, if Ctrl-C left one.
     """
-
-    def __init__(
-        self,
-        problem: Problem,
-        known: list[Array],
-        cuts: Cuts,
-        *,
-        seed: int,
-        jobs: int | None,
-        options: BoundOptions,
-    ) -> None:
-        self.problem, self.cuts, self.options = problem, cuts, options
-        self.objective = min(problem.objective(q) for q in known)
-        self.better: Array | None = None
-        self.pieces = [
-            PieceSearch(
-                piece, known[0][piece.points], len(cuts), (seed, j, *cuts), options.search, jobs
-            )
-            for j, piece in enumerate(split(problem, cuts))
-        ]
-        for q in known[1:]:
-            self._add(q)
-        self.theta = np.zeros((len(cuts), problem.n))
-        self.value = -np.inf
-        self.count = 0
-
-    def run(self, progress: Progress) -> Bound:
-        """Climb and re-check until a re-check finds nothing lower; return the best re-check."""
-        for piece in self.pieces:
-            piece.prepare(self.theta)
-        checks: list[tuple[Array, list[Wide]]] = []
-        for number in range(self.options.rounds):
-            self.climb(progress)
-            believed = self.value
-            checks.append((self.theta, self.recheck(number + 1)))
-            if self.value >= believed - self._level(self.options.closed):
-                break
-        # A path found later lowers what an earlier re-check may say.
-        values = [
-            sum(
-                min(wide.value, piece.planes.lowest(theta.ravel()))
-                for piece, wide in zip(self.pieces, wides, strict=True)
-            )
-            for theta, wides in checks
-        ]
-        chosen = int(np.argmax(values))
-        wides = checks[chosen][1]
-        return Bound(
-            value=float(values[chosen]),
-            objective=self.objective,
-            cuts=self.cuts,
-            starts=tuple(wide.starts for wide in wides),
-            hits=tuple(wide.hits for wide in wides),
-            seconds=0.0,
-        )
-
-    def climb(self, progress: Progress = SILENT) -> None:
-        """Raise the multipliers until the model promises no more, by the cheap search."""
-        radius = self.options.radius
-        self.value = self._evaluate(self.theta)
-        for _ in range(self.options.steps if self.cuts else 0):
-            planes = [piece.planes for piece in self.pieces]
-            flat, height = highest(planes, self.theta.ravel(), radius)
-            promised = height - self.value
-            if promised <= self._level(self.options.closed / 10.0):
-                break
-            theta = flat.reshape(self.theta.shape)
-            gained = self._evaluate(theta) - self.value
-            progress.advance()
-            if gained >= 0.1 * promised:
-                self._recover(theta)
-                self.theta, self.value = theta, self.value + gained
-                radius *= 2.0 if gained >= 0.5 * promised else 1.0
-            elif gained < -promised:
-                radius /= 2.0
-            if self.objective - self.value <= self._level(self.options.closed):
-                break
-
-    def recheck(self, number: int) -> list[Wide]:
-        """Search every piece widely at the multipliers reached, and correct the value."""
-        wides = [piece.wide(self.theta, number) for piece in self.pieces]
-        self.value = sum(wide.value for wide in wides)
-        return wides
-
-    def _evaluate(self, theta: Array) -> float:
-        self.count += 1
-        return sum(piece.cheap(theta, self.count) for piece in self.pieces)
-
-    def _recover(self, theta: Array) -> None:
-        """Join the pieces' minima to a path: where the incumbent is wrong it often is better."""
-        parts = [piece.planes.lowest_path(theta.ravel()) for piece in self.pieces]
-        start = np.concatenate([parts[0], *(part[1:] for part in parts[1:])])
-        for cut, part in zip(self.cuts, parts[1:], strict=True):
-            start[cut] = 0.5 * (start[cut] + part[0])
-        end = engine.solve(self.problem, start)
-        if end.converged and end.objective < self.objective - self._level(TOLERANCE.same_objective):
-            q = polished(self.problem, end.q)
-            self.better, self.objective = q, self.problem.objective(q)
-            self._add(q)
-
-    def _add(self, q: Array) -> None:
-        for piece in self.pieces:
-            piece.add_path(q[piece.piece.points])
-
-    def _level(self, relative: float) -> float:
-        return relative * max(1.0, abs(self.objective))
+    bound = lower_bound(problem, local.q, seed=seed, jobs=jobs, progress=progress, options=options)
+    if bound is None or bound.better is None:
+        return local, bound
+    local = check_minimum(problem, bound.better, seed=seed, jobs=jobs)
+    return local, bound.against(local.objective)

@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.evidence.kkt import Stationarity, curvature_min, stationarity
+from dualarm_pin.evidence.curvature import curvature_min
+from dualarm_pin.evidence.kkt import Stationarity, stationarity
 from dualarm_pin.multistart.starts import generator
 from dualarm_pin.problem import Problem
 from dualarm_pin.solvers import engine

@@ -1,0 +1,112 @@
+"""Second order at a path, independent of the engine: differences of Pinocchio gradients.
+
+At a minimum L(q) = F(q) + sum_i y_i . g_i(q) has no negative curvature along the directions that
+keep the pose rows and the active bounds: the reduced Hessian has no negative eigenvalue.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.evidence.kkt import RANK, Stationarity
+from dualarm_pin.problem import Problem, index_gradient
+from dualarm_pin.relative import Relative
+
+Array = NDArray[np.float64]
+
+_DIFFERENCE = 1e-5  # rad or m; the error of a central difference is then about 1e-10
+
+
+def curvature_min(problem: Problem, q: Array, first: Stationarity) -> tuple[float | None, int]:
+    """Return the smallest eigenvalue of the reduced Hessian of L, and its dimension.
+
+    The Hessian at a point is a central difference of Pinocchio gradients along the free
+    directions; that of the links is in closed form.
+
+    Returns:
+        None and 0 where the pose rows and active bounds leave no direction.
+    """
+    bases = [_free_directions(first, i) for i in range(problem.k)]
+    curved = [
+        _point_curvature(problem, q, first, i, basis) + _link_curvature(problem, q, i) @ basis
+        for i, basis in enumerate(bases)
+    ]
+    sizes = [basis.shape[1] for basis in bases]
+    total = sum(sizes)
+    if total == 0:
+        return None, 0
+    begin = np.concatenate([[0], np.cumsum(sizes)])
+    band = np.zeros((2 * max(sizes) + 1, total))  # lower: band[r - c, c]
+    for i, basis in enumerate(bases):
+        block = basis.T @ curved[i]
+        _put(band, begin[i], begin[i], 0.5 * (block + block.T))
+        if i + 1 < problem.k:
+            step = _coupling(problem, q, i)
+            _put(band, begin[i + 1], begin[i], bases[i + 1].T @ step @ basis)
+    from scipy.linalg import eigvals_banded
+
+    values = eigvals_banded(band[:total], lower=True, select="i", select_range=(0, 0))
+    return float(values[0]), total
+
+
+def _put(band: Array, row: int, column: int, block: Array) -> None:
+    for (r, c), value in np.ndenumerate(block):
+        if row + r >= column + c:
+            band[row + r - column - c, column + c] = value
+
+
+def _free_directions(first: Stationarity, i: int) -> Array:
+    """Return an orthonormal basis (n, d) of moves that keep the pose rows and active bounds."""
+    free = np.flatnonzero(first.active[i] == 0)
+    basis = np.zeros((len(first.active[i]), 0))
+    if not len(free):
+        return basis
+    _, values, rows = np.linalg.svd(first.free_jacobian(i))
+    rank = int(np.sum(values > RANK))
+    basis = np.zeros((len(first.active[i]), len(free) - rank))
+    basis[free] = rows[rank:].T
+    return basis
+
+
+def _point_curvature(
+    problem: Problem, q: Array, first: Stationarity, i: int, basis: Array
+) -> Array:
+    """Return the Hessian of a_i c + y_i . g_i at point i times `basis` (n, d)."""
+
+    def slope(at: Array) -> Array:
+        relative = Relative(problem.cell, at)
+        c = index_gradient(problem.index, relative, problem.u[i], at, problem.bounds)[1]
+        J = problem.point_jacobian(i, relative)[1]
+        return np.asarray(problem.index_weight[i] * c + J.T @ first.pose_multipliers[i])
+
+    product = np.zeros_like(basis)
+    for column, direction in enumerate(basis.T):
+        ahead, behind = slope(q[i] + _DIFFERENCE * direction), slope(q[i] - _DIFFERENCE * direction)
+        product[:, column] = (ahead - behind) / (2.0 * _DIFFERENCE)
+    return product
+
+
+def _link_block(weight: float, metric: Array, step: Array) -> Array:
+    """Return the Hessian (n, n) of weight (dq^T diag(m) dq)^2 with respect to dq."""
+    m = metric * step
+    return np.asarray(4.0 * weight * (m @ step) * np.diag(metric) + 8.0 * weight * np.outer(m, m))
+
+
+def _coupling(problem: Problem, q: Array, i: int) -> Array:
+    """Return the Hessian block (n, n) of points i + 1 and i."""
+    return -_link_block(float(problem.link_weight[i]), problem.metric, q[i + 1] - q[i])
+
+
+def _link_curvature(problem: Problem, q: Array, i: int) -> Array:
+    """Return what the links of point i add to its Hessian block (n, n)."""
+    block = np.zeros((problem.n, problem.n))
+    if i > 0:
+        block -= _coupling(problem, q, i - 1)
+    elif problem.before is not None:
+        block += _link_block(problem.before_weight, problem.metric, q[0] - problem.before)
+    if i + 1 < problem.k:
+        block -= _coupling(problem, q, i)
+    elif problem.after is not None:
+        block += _link_block(problem.after_weight, problem.metric, problem.after - q[-1])
+    return block

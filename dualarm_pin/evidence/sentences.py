@@ -1,0 +1,105 @@
+"""What the screen says about the evidence: one sentence a line, for a tired engineer.
+
+Words that claim more than was checked have no place here; a test holds the list of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from dualarm_pin.evidence.laws import LEAST_HITS, LEAST_STARTS
+from dualarm_pin.trajectory import LawCount
+
+if TYPE_CHECKING:
+    from dualarm_pin.evidence.bound import Bound
+    from dualarm_pin.evidence.check import LocalCheck
+
+STOPPING_RULE = (
+    f"stop when both ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
+    f"published number), end at the same best path, and each found it at least {LEAST_HITS} "
+    "times; if the bound is requested, go on until the gap is under 0.1 % or the budget ends"
+)
+CONDITION = "valid as far as no piece search missed a minimum"
+
+
+def starts(laws: Mapping[str, LawCount], agree: bool, missed: float | None) -> str:
+    """Say how many starts were made, how many ended here, and what they may have missed."""
+    if not laws:
+        return "No other starts were made: nothing is known of paths elsewhere."
+    count = sum(law.starts for law in laws.values())
+    hits = " + ".join(str(law.best_hits) for law in laws.values())
+    if len(laws) == 1:
+        name = next(iter(laws))
+        return (
+            f"Best of {count} starts (one way, {name}), found {hits} times: this says nothing of "
+            "paths that another way of starting would reach."
+        )
+    if not agree:
+        by = ", ".join(f"{name} {law.best_hits} times" for name, law in laws.items())
+        return (
+            f"Best of {count} starts (two ways), but not both ways found it ({by}): more starts "
+            "are needed."
+        )
+    share = "" if missed is None else _percent(missed)
+    return (
+        f"Best of {count} starts (two ways), found {hits} times: better paths that these starts "
+        f"can reach draw under {share} of them (95 %)."
+    )
+
+
+def stopping(met: bool) -> str:
+    """Say when to stop, and whether that is now."""
+    return f"The rule: {STOPPING_RULE}; {'met here' if met else 'not met here'}."
+
+
+def bound(bound: Bound, closed: float) -> str:
+    """Say what the lower bound is, under which condition, and what the gap means."""
+    least, most = min(bound.hits), max(bound.hits)
+    times = f"{least}" if least == most else f"{least} to {most}"
+    each = f"{min(bound.starts)} starts" + (" each" if bound.pieces > 1 else "")
+    split = (
+        f"Splitting into {bound.pieces} pieces" if bound.pieces > 1 else "Searching it anew whole"
+    )
+    text = (
+        f"{split}: no better path can exist below {bound.value:.6g} (gap {_percent(bound.gap)}) "
+        f"unless a {'piece ' if bound.pieces > 1 else ''}search ({each}, minimum hit {times} "
+        "times) missed a minimum"
+    )
+    if bound.better is not None:
+        return f"{text}, and a better path was found on the way."
+    if not bound.complete:
+        return f"{text}; the work was cut short."
+    if least < LEAST_HITS:
+        return f"{text}, which may well be, with fewer than {LEAST_HITS} hits."
+    if bound.gap >= closed:
+        return f"{text}; such a gap means that a better path may exist, or that the bound is weak."
+    return f"{text}."
+
+
+def local(check: LocalCheck) -> str:
+    """Say what the local check found, and which joint limit costs most."""
+    if not check.stationary:
+        return (
+            f"Not yet a minimum: the optimality error is {check.stationarity:.1e} and the pose "
+            f"error {check.feasibility:.1e}, so the path can still be improved nearby."
+        )
+    if not check.minimum:
+        return (
+            "Not a minimum: the path is stationary, but some small change leads down "
+            f"(curvature {check.curvature_min:.1e})."
+        )
+    kind = "Strict local minimum" if check.strict else "Local minimum, flat in some direction"
+    parts = [kind, f"{check.n_active} joint limits active"]
+    if check.costliest_joint is not None:
+        parts.append(f"{check.costliest_joint} costs most")
+    if check.return_share < 1.0:
+        parts.append(f"{_percent(check.return_share)} of the nearby starts came back to it")
+    if check.near_singular:
+        parts.append(f"nearly singular at some point (singular value {check.sigma_min:.1e})")
+    return ", ".join(parts) + "."
+
+
+def _percent(share: float) -> str:
+    """Return a share as a percentage with two significant digits."""
+    return f"{100.0 * share:.2g} %"
