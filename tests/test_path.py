@@ -8,7 +8,7 @@ import itertools
 import numpy as np
 import pinocchio as pin
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dualarm_pin.errors import InputError, ShapeError
@@ -76,6 +76,7 @@ def test_subset_keeps_tangents_and_counts_arc_length_from_its_first_point():
             path.subset(wrong)
 
 
+@settings(deadline=None)
 @given(
     st.lists(st.floats(-3, 3), min_size=6, max_size=6),
     st.lists(st.floats(-3, 3), min_size=6, max_size=6),
@@ -186,6 +187,7 @@ def test_Gamma_of_a_circle_is_even():
     assert choose_Gamma(circle(0.3, points=61), 6) == (0, 12, 24, 36, 48, 60)
 
 
+@settings(deadline=None)
 @given(st.integers(2, 31))
 def test_Gamma_always_holds_both_ends(count):
     chosen = choose_Gamma(corner(), count)

@@ -39,7 +39,7 @@ SAME = {
     "circle: {radius: 0.3, start_deg: 90, turns: -0.5, center: [1, 2], step: 0.1}": paths.circle(
         0.3, start=math.pi / 2, turns=-0.5, center=(1, 2), step=0.1
     ),
-    "arc: {radius: 0.3, start_deg: 0, stop_deg: 180, points: 5}": paths.arc_path(
+    "arc: {radius: 0.3, start_deg: 0, stop_deg: 180, points: 5}": paths.arc(
         0.3, 0, math.pi, points=5
     ),
     "helix: {radius: 0.06, pitch: 0.04, turns: 2, points: 61}": paths.helix(

@@ -24,7 +24,7 @@ SMOOTH = {
     "closed polyline": lambda **how: paths.polyline(SQUARE, fillet=0.03, closed=True, **how),
     "circle": lambda **how: paths.circle(0.3, **how),
     "clockwise": lambda **how: paths.circle(0.3, turns=-1.5, start=1.0, **how),
-    "arc": lambda **how: paths.arc_path(0.2, 0.3, 2.0, center=(0.1, -0.2), **how),
+    "arc": lambda **how: paths.arc(0.2, 0.3, 2.0, center=(0.1, -0.2), **how),
     "helix": lambda **how: paths.helix(0.06, 0.04, 2, **how),
     "raster": lambda **how: paths.raster(0.24, 0.16, 5, fillet=0.015, **how),
     "sine": lambda **how: paths.sine(0.2, height=0.4, **how),
@@ -121,6 +121,7 @@ def test_circle_of_61_points():
     np.testing.assert_allclose(path.position, expected, atol=1e-15)
 
 
+@settings(deadline=None)
 @given(
     st.floats(0.01, 1), st.floats(-0.2, 0.2), st.floats(0.2, 3).map(lambda n: round(n, 2)),
     st.integers(2, 90),
@@ -207,7 +208,7 @@ def test_fillets_touch_their_sides():
     np.testing.assert_allclose(np.hypot(*(inner.position[:, :2] - 0.1).T), 0.1, atol=1e-12)
 
 
-@settings(max_examples=40)
+@settings(max_examples=40, deadline=None)
 @given(st.lists(st.tuples(*[st.floats(-1, 1)] * 3), min_size=3, max_size=6), st.floats(1e-3, 0.3))
 def test_any_fillet_fits_or_the_largest_is_named(vertices, fillet):
     apart = np.linalg.norm(np.diff(vertices, axis=0), axis=1)
@@ -223,6 +224,7 @@ def test_any_fillet_fits_or_the_largest_is_named(vertices, fillet):
     assert np.arccos(np.clip(turns, -1, 1)).max() <= step / fillet + 1e-6
 
 
+@settings(deadline=None)
 @given(st.floats(0.004, 0.5))
 def test_step_is_the_largest_distance(step):
     path = paths.polyline(SQUARE, step=step)
@@ -265,7 +267,7 @@ REFUSED = [
     (lambda: paths.raster(0.2, 0.1, 4, points=5), "points: .* 6 corners needs 8 points or more"),
     (lambda: paths.raster(0.2, 0.1, 1, points=5), "rows: 2 to 10000 rows are expected; given 1"),
     (lambda: paths.raster(0.2, 0.1, 5, fillet=0.02, points=50), "largest that fits .* 0.0125 m"),
-    (lambda: paths.arc_path(0.1, 1.0, 1.0, points=5), "stop: the arc has no length"),
+    (lambda: paths.arc(0.1, 1.0, 1.0, points=5), "stop: the arc has no length"),
     (lambda: paths.sine(0.2, periods=0, points=5), "periods: a number above 0"),
     (lambda: paths.corner(side=0), "side: a number above 0"),
     (lambda: paths.corner(fillet=0.2), "fillet: a radius above 0 and below the side 0.15"),

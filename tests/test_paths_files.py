@@ -7,6 +7,8 @@ import math
 import numpy as np
 import pinocchio as pin
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from dualarm_pin import paths
 from dualarm_pin.errors import InputError, MissingFileError
@@ -374,3 +376,48 @@ APT_REFUSED = [
 def test_apt_refused(write, text, message):
     with pytest.raises(InputError, match=message):
         paths.read_apt(write(text))
+
+
+# Anything at all ---------------------------------------------------------------------------
+
+NUMBER = st.sampled_from(["0", "1", "-2.5", "10", "1e400", "nan", "0.0", "", "1,2", "--3"])
+GCODE_WORDS = st.sampled_from(
+    "G0 G1 G2 G3 G17 G18 G19 G20 G21 G28 G54 G90 G91 M2 M3 ; ( ) % / # X Y Z I J K R P A F".split()
+)
+APT_WORDS = st.sampled_from(["GOTO/", "FROM/", "RAPID", "UNITS/", "MM", "$", "$$", ",", "FEDRAT/"])
+CSV_WORDS = st.sampled_from(
+    ["x,y,z", "qw,qx,qy,qz", ",", "#", '"', ";", "ux,uy,uz", "0,0,0", "1,1,1"]
+)
+SPACE = st.sampled_from(["", " ", "\n"])
+
+
+def text_of(words):
+    return st.lists(st.tuples(st.one_of(words, NUMBER), SPACE).map("".join), max_size=40).map(
+        "".join
+    )
+
+
+@pytest.mark.parametrize(
+    ("read", "words"),
+    [
+        (lambda file: paths.read_gcode(file, points=50), GCODE_WORDS),
+        (lambda file: paths.read_gcode(file, step=0.001, rapids=True), GCODE_WORDS),
+        (paths.read_apt, APT_WORDS),
+        (lambda file: paths.read_csv(file, points=5), CSV_WORDS),
+        (lambda file: paths.read_csv(file, smooth=True), CSV_WORDS),
+    ],
+)
+def test_any_file_is_a_path_or_an_error_that_names_it(tmp_path, read, words):
+    @settings(deadline=None, max_examples=150)
+    @given(st.one_of(text_of(words), st.text(max_size=60)))
+    def check(text):
+        file = tmp_path / "any.txt"
+        file.write_bytes(text.encode("utf-8", errors="surrogatepass"))
+        try:
+            path = read(file)
+        except InputError as error:
+            assert "any.txt" in str(error) or error.field in ("points", "step")
+        else:
+            assert np.isfinite(path.position).all()
+
+    check()

@@ -96,7 +96,7 @@ class CircleSpec(Placed):
 
 
 class ArcSpec(Placed):
-    """`paths.arc_path`."""
+    """`paths.arc`."""
 
     radius: float
     start_deg: float

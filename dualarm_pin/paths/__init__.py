@@ -5,7 +5,7 @@ from dualarm_pin.paths.csv_file import read_csv
 from dualarm_pin.paths.gamma import choose_Gamma
 from dualarm_pin.paths.gcode import read_gcode
 from dualarm_pin.paths.load import load_path
-from dualarm_pin.paths.planar import arc_path, circle, corner, raster
+from dualarm_pin.paths.planar import arc, circle, corner, raster
 from dualarm_pin.paths.polyline import polyline
 from dualarm_pin.paths.resample import resample
 from dualarm_pin.paths.spatial import helix, spline
@@ -13,7 +13,7 @@ from dualarm_pin.paths.surface import dome_spiral, tube_seam
 from dualarm_pin.paths.waves import figure_eight, sine
 
 __all__ = [
-    "arc_path",
+    "arc",
     "choose_Gamma",
     "circle",
     "corner",

@@ -12,7 +12,7 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Piece, at_arc_length, line, sample
+from dualarm_pin.paths.curve import Piece, at_arc_length, line_piece, sample
 from dualarm_pin.paths.follow import Hold, hold
 from dualarm_pin.paths.moves import INCH, MILLIMETRE, Move, choose, read_text
 from dualarm_pin.tolerance import TOLERANCE
@@ -133,7 +133,7 @@ def _line(start: Array, stop: Array, axis: Array, next_axis: Array) -> Piece:
     def turning(t: Array) -> Array:
         return _unit(axis + t[:, None] * (next_axis - axis))
 
-    plain = line(start, stop)
+    plain = line_piece(start, stop)
     return Piece(plain.point, plain.derivative, turning)
 
 

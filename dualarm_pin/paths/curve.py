@@ -91,17 +91,13 @@ class Samples:
     normal: Array | None
 
 
-def line(start: Array, stop: Array, normal: Array | None = None) -> Piece:
+def line_piece(start: Array, stop: Array) -> Piece:
     """Return the straight piece from `start` to `stop`, shape (3,) each [m]."""
     way = stop - start
-    return Piece(
-        lambda t: start + t[:, None] * way,
-        lambda t: np.broadcast_to(way, (len(t), 3)).copy(),
-        None if normal is None else constant(normal),
-    )
+    return Piece(lambda t: start + t[:, None] * way, constant(way))
 
 
-def arc(
+def arc_piece(
     center: Array,
     x: Array,
     y: Array,

@@ -18,7 +18,7 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Piece, arc, line
+from dualarm_pin.paths.curve import Piece, arc_piece, line_piece
 from dualarm_pin.paths.follow import Follow, follow
 from dualarm_pin.paths.moves import INCH, MILLIMETRE, Move, choose, read_text
 from dualarm_pin.tolerance import TOLERANCE
@@ -175,7 +175,7 @@ class _Machine:
         elif np.linalg.norm(stop - self.at) <= TOLERANCE.coincident:
             return
         else:
-            piece = line(self.at + self.offset, stop + self.offset)
+            piece = line_piece(self.at + self.offset, stop + self.offset)
         self.moves.append(Move(self.number, piece, rapid=self.motion == "G0"))
         self.at = stop
 
@@ -199,7 +199,7 @@ class _Machine:
         turn = (sign * turn - 1e-9) % (2 * math.pi) + 1e-9
         y = np.zeros(3)
         y[first], y[second] = -sign * x[second], sign * x[first]
-        return arc(center + self.offset, x, y, turn, rise=rise)
+        return arc_piece(center + self.offset, x, y, turn, rise=rise)
 
     def _to_center(self, way: Array, values: dict[str, float], sign: float) -> Array:
         """Return the vector from the start to the centre, in the plane of the arc."""

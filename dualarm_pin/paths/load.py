@@ -25,7 +25,7 @@ _GENERATORS: dict[str, Callable[..., Path]] = {
     "corner": planar.corner,
     "polyline": polyline.polyline,
     "circle": planar.circle,
-    "arc": planar.arc_path,
+    "arc": planar.arc,
     "helix": spatial.helix,
     "raster": planar.raster,
     "sine": waves.sine,

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Piece, Samples, arc
+from dualarm_pin.paths.curve import Piece, Samples, arc_piece
 from dualarm_pin.paths.follow import Follow, Hold, follow, hold
 from dualarm_pin.paths.place import UP, flat, middle, not_zero, positive
 from dualarm_pin.paths.polyline import rounded
@@ -85,7 +85,7 @@ def circle(
     return follow([_arc(radius, center, height, start, 2 * math.pi * turns)], "circle", how)
 
 
-def arc_path(
+def arc(
     radius: float,
     start: float,
     stop: float,
@@ -149,7 +149,7 @@ def _arc(radius: float, center: ArrayLike, height: float, start: float, angle: f
     positive(radius=radius)
     x = radius * np.array([math.cos(start), math.sin(start), 0.0])
     y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
-    return arc(middle(center, height), x, y, angle, normal=UP)
+    return arc_piece(middle(center, height), x, y, angle, normal=UP)
 
 
 def _paper(side: float, r: float, height: float, points: Sequence[int]) -> Samples:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Piece, arc, line
+from dualarm_pin.paths.curve import Piece, arc_piece, line_piece
 from dualarm_pin.paths.follow import Follow, follow
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -82,14 +82,14 @@ def rounded(vertices: Array, fillet: float, closed: bool = False) -> list[Piece]
     for k, side in enumerate(way):
         start, stop = vertices[k] + cut[k] * side, vertices[k + 1] - cut[k + 1] * side
         if length[k] - cut[k] - cut[k + 1] > TOLERANCE.coincident:
-            pieces.append(line(start, stop))
+            pieces.append(line_piece(start, stop))
         if cut[k + 1] > TOLERANCE.coincident:
             # From the tangent point, `inward` points to the centre of the fillet.
             following = way[(k + 1) % len(way)]
             inward = following - (following @ side) * side
             inward /= np.linalg.norm(inward)
             center = stop + fillet * inward
-            pieces.append(arc(center, -fillet * inward, fillet * side, float(turn[k])))
+            pieces.append(arc_piece(center, -fillet * inward, fillet * side, float(turn[k])))
     return pieces
 
 

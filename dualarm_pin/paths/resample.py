@@ -9,7 +9,7 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Piece, at_arc_length, line, sample
+from dualarm_pin.paths.curve import Piece, at_arc_length, line_piece, sample
 from dualarm_pin.paths.spatial import spline_pieces
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -42,7 +42,7 @@ def resample(
     if smooth:
         pieces = spline_pieces(path.position, "position")
     else:
-        pieces = [line(start, stop) for start, stop in itertools.pairwise(path.position)]
+        pieces = [line_piece(start, stop) for start, stop in itertools.pairwise(path.position)]
     knots = _knots(pieces)
     if points is None and step is None:
         samples = at_arc_length(pieces, knots)

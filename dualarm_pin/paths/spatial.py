@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.paths.curve import Piece, arc
+from dualarm_pin.paths.curve import Piece, arc_piece
 from dualarm_pin.paths.follow import Follow, follow
 from dualarm_pin.paths.place import middle, not_zero, positive
 from dualarm_pin.paths.polyline import distinct
@@ -48,7 +48,7 @@ def helix(
     x = radius * np.array([math.cos(start), math.sin(start), 0.0])
     y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
     rise = np.array([0.0, 0.0, pitch * abs(turns)])
-    piece = arc(middle(center, height), x, y, 2 * math.pi * turns, rise=rise)
+    piece = arc_piece(middle(center, height), x, y, 2 * math.pi * turns, rise=rise)
     return follow([piece], "helix", how)
 
 
