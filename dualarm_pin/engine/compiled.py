@@ -22,7 +22,22 @@ _FAST = {"reassoc", "contract", "nsz", "arcp"}
 
 def compiled(function: F) -> F:
     """Compile a function that only other compiled functions call; it may not allocate."""
-    jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True, _nrt=False)(function)
+    jitted: F = numba.njit(
+        fastmath=_FAST,
+        error_model="numpy",
+        nogil=True,
+        no_cpython_wrapper=True,
+        no_cfunc_wrapper=True,
+        _nrt=False,
+    )(function)
+    return jitted
+
+
+def inlined(function: F) -> F:
+    """Compile a function with one caller as part of it: every level of calls costs compile time."""
+    jitted: F = numba.njit(
+        fastmath=_FAST, error_model="numpy", nogil=True, inline="always", _nrt=False
+    )(function)
     return jitted
 
 

@@ -25,7 +25,7 @@ The pose constraint with multipliers y = [y_p; y_r] has the same shape, with t =
 from __future__ import annotations
 
 from dualarm_pin.engine.chain import VARIABLE, Chain, Floats
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.engine.compiled import compiled, inlined
 from dualarm_pin.engine.index_terms import called_terms, called_value, force_terms, force_value
 from dualarm_pin.engine.kinematics import (
     constraint_jacobian,
@@ -59,7 +59,7 @@ def point_value(
     return total + problem.points.index_weight[i] * value
 
 
-@compiled
+@inlined
 def point_derivatives(
     problem: Problem,
     i: int,

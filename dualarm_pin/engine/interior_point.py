@@ -15,7 +15,7 @@ from dualarm_pin.engine.barrier import (
     start_multipliers,
 )
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled, copy_rows
+from dualarm_pin.engine.compiled import compiled, inlined, copy_rows
 from dualarm_pin.engine.layout import Problem, Workspace
 from dualarm_pin.engine.line_search import Limits, merit_of, search
 from dualarm_pin.engine.newton import (
@@ -69,7 +69,7 @@ class Report(NamedTuple):
     mu: float
 
 
-@compiled
+@inlined
 def solve_one(
     problem: Problem,
     settings: Settings,

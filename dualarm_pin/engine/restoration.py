@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled, copy_row
+from dualarm_pin.engine.compiled import compiled, inlined, copy_row
 from dualarm_pin.engine.kinematics import (
     constraint_jacobian,
     place_chain,
@@ -18,7 +18,7 @@ _DAMPING_FIRST, _DAMPING_MIN, _DAMPING_LESS, _DAMPING_MORE = 1e-3, 1e-9, 0.2, 8.
 _TRIES = 8
 
 
-@compiled
+@inlined
 def restore(problem: Problem, work: Workspace, q: Floats, steps: int, tolerance: float) -> None:
     """Reduce the pose residual of every point of q (k, n) in place."""
     for i in range(q.shape[0]):
