@@ -6,7 +6,8 @@ import itertools
 import logging
 import queue
 import tempfile
-from collections.abc import Callable, Iterable, Iterator
+import time
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager
 from typing import Any
 
@@ -17,6 +18,7 @@ from dualarm_pin.errors import DualArmError, InputError, MissingExtraError
 
 CONNECT = 30.0  # seconds to reach a scheduler and its first worker
 _PATIENCE = 20.0  # seconds without an end before the workers are counted
+_RECOUNT = 1.0  # seconds between two counts of the workers
 _AHEAD = 2  # runs sent ahead for each worker thread, so that none waits for the parent
 Ended = tuple[Run, Outcome]
 
@@ -111,14 +113,18 @@ def spread(
             flying[future] = run
             future.add_done_callback(ended.put)
 
-    send(_room(client))
+    room, counted = _room(client), time.monotonic()
+    send(room)
     while flying:
-        batch = []
-        for future in _next(ended, client, waiting):
-            batch.append((flying.pop(future), _outcome(future)))
+        futures = _next(ended, client, waiting)
+        outcomes = _outcomes(client, futures)
+        batch = [(flying.pop(f), outcome) for f, outcome in zip(futures, outcomes, strict=True)]
+        for future in futures:
             future.release()
+        if time.monotonic() > counted + _RECOUNT:
+            room, counted = _room(client), time.monotonic()
+        send(room - len(flying))
         yield batch
-        send(_room(client) - len(flying))
 
 
 def _next(ended: queue.SimpleQueue[Any], client: Any, waiting: Callable[[], None]) -> list[Any]:
@@ -141,22 +147,26 @@ def _room(client: Any) -> int:
     return max(1, threads) * _AHEAD
 
 
-def _outcome(future: Any) -> Outcome:
+def _outcomes(client: Any, futures: Sequence[Any]) -> list[Outcome]:
+    """Return what came of runs that ended; the results are fetched together."""
+    finished = [future for future in futures if future.status == "finished"]
+    results = dict(zip(finished, client.gather(finished, direct=True), strict=True))
+    return [results[f] if f in results else _lost(f) for f in futures]
+
+
+def _lost(future: Any) -> Outcome:
+    """Return the outcome of a run that took its workers along."""
     from distributed import KilledWorker
 
-    if future.status == "finished":
-        outcome = future.result()
-        assert isinstance(outcome, Outcome)  # what run_watched returns
-        return outcome
-    if future.status == "error":
-        error = future.exception()
-        if isinstance(error, KilledWorker):
-            return Outcome("crashed", f"{DEATHS} worker processes died while they did it")
-        raise DualArmError(
-            f"a worker could not do a run: {type(error).__name__}: {error}; what ended is on "
-            "disk: continue with --resume"
-        ) from error
-    raise DualArmError("the scheduler was lost; what ended is on disk: continue with --resume")
+    if future.status != "error":
+        raise DualArmError("the scheduler was lost; what ended is on disk: continue with --resume")
+    error = future.exception()
+    if isinstance(error, KilledWorker):
+        return Outcome("crashed", f"{DEATHS} worker processes died while they did it")
+    raise DualArmError(
+        f"a worker could not do a run: {type(error).__name__}: {error}; what ended is on disk: "
+        "continue with --resume"
+    ) from error
 
 
 def _probe(client: Any, address: str) -> None:

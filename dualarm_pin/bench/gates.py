@@ -87,13 +87,12 @@ class Gate:
         return _COMPARISONS[self.comparison](value, self.limit)
 
 
-def read_gate(entry: str | GateEntry, tasks: Sequence[str], methods: Sequence[str]) -> Gate:
+def read_gate(spec: GateEntry, tasks: Sequence[str], methods: Sequence[str]) -> Gate:
     """Read a gate of a suite.
 
     Raises:
         InputError: It has another form, or is about no task or method of the suite.
     """
-    spec = GateEntry(gate=entry) if isinstance(entry, str) else entry
     form = _FORM.match(spec.gate)
     try:
         if form is None:

@@ -21,7 +21,6 @@ from dualarm_pin.files.suite_spec import (
     OverridesSpec,
     StepsSpec,
     SuiteSpec,
-    TaskEntry,
 )
 from dualarm_pin.planners.dispatch import EFFORTS, METHODS, SOLVERS
 
@@ -98,8 +97,7 @@ class _Task:
 
 def _tasks(source: Source, spec: SuiteSpec) -> Iterator[_Task]:
     taken: dict[str, Path] = {}
-    for i, given in enumerate(spec.tasks):
-        entry = TaskEntry(file=given) if isinstance(given, str) else given
+    for i, entry in enumerate(spec.tasks):
         keys: list[Key] = ["tasks", i]
         pattern = str(source.path.resolve().parent / entry.file)
         files = [Path(name) for name in sorted(glob.glob(pattern, recursive=True))]
@@ -121,8 +119,7 @@ def _tasks(source: Source, spec: SuiteSpec) -> Iterator[_Task]:
 
 def _methods(source: Source, spec: SuiteSpec) -> Iterator[tuple[Method, MethodEntry]]:
     taken: set[str] = set()
-    for i, given in enumerate(spec.methods):
-        entry = MethodEntry(method=given) if isinstance(given, str) else given
+    for i, entry in enumerate(spec.methods):
         keys: list[Key] = ["methods", i]
         if entry.method is not None:
             _known(source, keys, "method", entry.method, METHODS)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
@@ -12,6 +12,17 @@ Seconds = Annotated[float, Field(gt=0.0)]
 Seed = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
 _MOST_STEPS = 10_000
+
+
+class NamedEntry(Spec):
+    """An entry of a list that may also be written as one word, its `main` field."""
+
+    main: ClassVar[str]
+
+    @model_validator(mode="before")
+    @classmethod
+    def _one_word(cls, data: Any) -> Any:
+        return {cls.main: data} if isinstance(data, str) else data
 
 
 class StepsSpec(Spec):
@@ -42,7 +53,7 @@ class OverridesSpec(Spec):
     variants: list[dict[str, Any]] = Field(default_factory=list)
 
 
-class TaskEntry(Spec):
+class TaskEntry(NamedEntry):
     """One task file, or a glob of them.
 
     Attributes:
@@ -51,12 +62,14 @@ class TaskEntry(Spec):
         overrides: Changes for this task alone, on top of those of the suite.
     """
 
+    main = "file"
+
     file: str
     name: str | None = None
     overrides: OverridesSpec = OverridesSpec()
 
 
-class MethodEntry(Spec):
+class MethodEntry(NamedEntry):
     """One method with its options.
 
     Attributes:
@@ -71,6 +84,8 @@ class MethodEntry(Spec):
         seeds: Seeds of this method alone.
         time_limit: Budget of a run of this method [s].
     """
+
+    main = "method"
 
     method: str | None = None
     call: Annotated[str, Field(pattern=r"^[\w.]+:\w+$")] | None = None
@@ -91,7 +106,7 @@ class MethodEntry(Spec):
         return self
 
 
-class GateEntry(Spec):
+class GateEntry(NamedEntry):
     """A condition that the finished table must meet.
 
     Attributes:
@@ -100,6 +115,8 @@ class GateEntry(Spec):
         task: Name or glob of tasks.
         method: Name or glob of methods.
     """
+
+    main = "gate"
 
     gate: str
     of: Literal["every", "best", "median", "mean"] = "every"
@@ -142,12 +159,12 @@ class SuiteSpec(Spec):
     """
 
     title: str | None = None
-    tasks: Annotated[list[str | TaskEntry], Field(min_length=1)]
-    methods: Annotated[list[str | MethodEntry], Field(min_length=1)]
+    tasks: Annotated[list[TaskEntry], Field(min_length=1)]
+    methods: Annotated[list[MethodEntry], Field(min_length=1)]
     seeds: Count | Annotated[list[Seed], Field(min_length=1)] = 1
     time_limit: Seconds = 600.0
     overrides: OverridesSpec = OverridesSpec()
-    gates: list[str | GateEntry] = Field(default_factory=list)
+    gates: list[GateEntry] = Field(default_factory=list)
     maps: list[MapEntry] = Field(default_factory=list)
     keep: Literal["best", "all", "none"] = "best"
     limitations: list[str] = Field(default_factory=list)

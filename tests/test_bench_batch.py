@@ -1,0 +1,282 @@
+"""Whole batches: real workers, killed workers, killed batches, resumed ones."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+pytest.importorskip("distributed")
+pq = pytest.importorskip("pyarrow.parquet")
+
+from dualarm_pin.bench.batch import run_suite  # noqa: E402
+from dualarm_pin.bench.perform import perform  # noqa: E402
+from dualarm_pin.bench.suite import Suite  # noqa: E402
+from dualarm_pin.errors import InputError  # noqa: E402
+from dualarm_pin.files.resources import urdf_folder  # noqa: E402
+from dualarm_pin.trajectory import Trajectory  # noqa: E402
+
+HERE = Path(__file__).parent
+TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
+TIMES = ("started", "run_s", "timing.wall_s", "timing.cpu_s", "extra", "clearance")
+
+
+@pytest.fixture(autouse=True)
+def fakes_can_be_imported(monkeypatch):
+    before = os.environ.get("PYTHONPATH")
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join(filter(None, (str(HERE), before))))
+    monkeypatch.syspath_prepend(HERE)
+
+
+def write_suite(folder, methods, seeds=3, more=""):
+    file = folder / "suite.yaml"
+    listed = "\n".join(f"  - {method}" for method in methods)
+    file.write_text(f"tasks: [{TASK}]\nmethods:\n{listed}\nseeds: {seeds}\n{more}")
+    return file
+
+
+def fake(name, label, **options):
+    entry = {"call": f"bench_fakes:{name}", "name": label, "options": options}
+    return json.dumps(entry)
+
+
+def bench(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "dualarm_pin", "bench", *map(str, arguments)],
+        capture_output=True,
+        text=True,
+        timeout=180,
+        check=False,
+    )
+
+
+def comparable(row):
+    return {key: value for key, value in row.items() if key not in TIMES}
+
+
+def table(folder):
+    return [comparable(row) for row in pq.read_table(folder / "results.parquet").to_pylist()]
+
+
+def serial(file):
+    """Return what the runs of a suite come to when they are done here, one after another."""
+    runs = Suite.load(file).runs
+    return [(run, perform(run)) for run in runs]
+
+
+def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_path):
+    file = write_suite(
+        tmp_path,
+        [
+            fake("quick", "good"),
+            fake("fail", "raises"),
+            fake("segfault", "dies"),
+            json.dumps({"call": "bench_fakes:hang_in_compiled_code", "name": "hangs"})[:-1]
+            + ', "time_limit": 0.5}',
+        ],
+        seeds=1,
+        more="gates: [{gate: mean_index <= 1.06, method: good}]\n",
+    )
+    out = tmp_path / "out"
+    done = bench(file, "--out", out, "--jobs", 2)
+    assert done.returncode == 0, done.stderr
+    rows = {row["method"]: row for row in table(out)}
+    assert {name: row["status"] for name, row in rows.items()} == {
+        "good": "ok",
+        "raises": "failed",
+        "dies": "crashed",
+        "hangs": "timed_out",
+    }
+    assert "4 runs" in done.stdout and "gate holds: mean_index <= 1.06" in done.stdout
+    assert rows["good"]["found"] is True and rows["dies"]["found"] is False
+    assert "SIGSEGV" in rows["dies"]["reason"] and "0.5 s" in rows["hangs"]["reason"]
+    for column in ("seed", "objective", "evidence.verdict", "versions.dualarm-pin", "machine.host"):
+        assert rows["good"][column] is not None
+    for column in ("inputs.digest", "inputs.task", "inputs.cell", "inputs.robots"):
+        assert rows["dies"][column]
+    assert (out / "results.csv").read_text().count("\n") == 5
+    best = Trajectory.load(out / "best" / "paper_corner")
+    assert best.objective == rows["good"]["objective"]
+
+    again = bench(file, "--out", out)
+    assert again.returncode == 2 and "add --resume to continue it" in again.stderr
+    before = (out / "rows.jsonl").read_bytes()
+    resumed = bench(file, "--out", out, "--resume")
+    assert resumed.returncode == 0
+    assert (out / "rows.jsonl").read_bytes() == before
+
+
+def test_a_gate_that_does_not_hold_is_exit_code_1_and_a_bad_suite_2(tmp_path):
+    file = write_suite(tmp_path, [fake("quick", "good")], 1, "gates: [mean_index <= 1.0]\n")
+    done = bench(file, "--out", tmp_path / "out", "--jobs", 1)
+    assert done.returncode == 1
+    assert "gate FAILED: mean_index <= 1.0" in done.stdout
+    assert "1 of 1 runs do not hold it, the worst has 1.05" in done.stderr
+    file.write_text("tasks: [x.yaml]\nmethods: [local]\n")
+    done = bench(file, "--out", tmp_path / "other")
+    assert done.returncode == 2
+    assert done.stderr.startswith(f"dualarm-pin: {file}:1: tasks.0: this file does not exist")
+    assert not (tmp_path / "other").exists()
+
+
+def test_keep_all_and_none(tmp_path):
+    for keep, folders in (("all", {"best", "runs"}), ("none", set())):
+        file = write_suite(tmp_path, [fake("quick", "a/b <c>")], 2, f"keep: {keep}\n")
+        out = tmp_path / keep
+        run_suite(Suite.load(file), out, jobs=1)
+        assert {p.name for p in out.iterdir() if p.is_dir()} == folders
+        if keep == "all":
+            kept = [Trajectory.load(folder) for folder in (out / "runs").iterdir()]
+            assert sorted(t.q[0, 0] for t in kept) == [0.0, 0.01]
+
+
+def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
+    out = tmp_path / "out"
+    run_suite(Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3)), out, jobs=1)
+    renamed = Suite.load(write_suite(tmp_path, [fake("quick", "new name")], 2))
+    batch = run_suite(renamed, out, resume=True)
+    assert batch.done_before == 2
+    assert [(row["method"], row["seed"]) for row in batch.rows] == [
+        ("new name", 0),
+        ("new name", 1),
+    ]
+    assert len((out / "rows.jsonl").read_bytes().splitlines()) == 3
+
+
+def test_no_scheduler_is_a_clear_message(tmp_path, monkeypatch):
+    from dualarm_pin.bench import cluster
+
+    monkeypatch.setattr(cluster, "CONNECT", 1.0)
+    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]))
+    with pytest.raises(InputError, match=r"no scheduler answers at 'tcp://127.0.0.1:9'"):
+        run_suite(suite, tmp_path / "out", address="tcp://127.0.0.1:9")
+
+
+@pytest.fixture
+def two_workers(tmp_path):
+    """Give the address of a real scheduler, and its two workers as processes."""
+    note = tmp_path / "scheduler.json"
+    dask = [sys.executable, "-m", "dask"]
+    quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "cwd": tmp_path}
+    command = ["scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard"]
+    started = [subprocess.Popen([*dask, *command, "--scheduler-file", note], **quiet)]
+    worker = ["worker", "--scheduler-file", note, "--host", "127.0.0.1", "--no-dashboard"]
+    worker += ["--nthreads", "1", "--no-nanny", "--memory-limit", "0"]
+    try:
+        for _ in range(300):
+            if note.exists() and note.stat().st_size:
+                break
+            time.sleep(0.1)
+        started += [subprocess.Popen([*dask, *worker], **quiet) for _ in range(2)]
+        yield json.loads(note.read_text())["address"], started[1:]
+    finally:
+        for process in started:
+            process.kill()
+            process.wait()
+
+
+def test_a_worker_killed_during_the_run_changes_nothing_in_the_table(tmp_path, two_workers):
+    address, processes = two_workers
+    file = write_suite(tmp_path, [fake("quick", "slow", seconds=0.2), fake("fail", "raises")], 12)
+    out = tmp_path / "out"
+    arguments = ["bench", str(file), "--out", str(out), "--cluster", address]
+    running = subprocess.Popen(
+        [sys.executable, "-m", "dualarm_pin", *arguments],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    )
+    log = out / "rows.jsonl"
+    for _ in range(600):
+        if log.exists() and log.read_bytes().count(b"\n") >= 4:
+            break
+        time.sleep(0.05)
+    before = log.read_bytes().count(b"\n")
+    processes[0].send_signal(signal.SIGKILL)
+    _, errors = running.communicate(timeout=120)
+    assert running.returncode == 0, errors
+    assert 4 <= before < 24, "the worker was not killed during the run"
+    expected = tmp_path / "serial"
+    expected.mkdir()
+    from dualarm_pin.bench.table import write_tables
+
+    rows = [json.loads(json.dumps(outcome.row(run))) for run, outcome in serial(file)]
+    write_tables(expected, lambda: rows)
+    assert table(out) == table(expected)
+
+
+def kill_at_random(tmp_path, kills, seconds=0.05, seeds=60):
+    """Kill a whole batch at random moments, continue it each time; return rows and kills."""
+    file = write_suite(tmp_path, [fake("quick", "slow", seconds=seconds)], seeds)
+    out = tmp_path / "out"
+    chance = random.Random(kills)
+    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file), "--out", str(out)]
+    command += ["--jobs", "2", "--resume"]
+    counts = []
+    for _ in range(kills):
+        running = subprocess.Popen(
+            command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True
+        )
+        time.sleep(chance.uniform(0.3, 4.0))
+        running.kill()
+        running.wait()
+        log = out / "rows.jsonl"
+        counts.append(log.read_bytes().count(b"\n") if log.exists() else 0)
+    last = subprocess.run(command, capture_output=True, text=True, timeout=300, check=False)
+    assert last.returncode == 0, last.stderr
+    lines = (out / "rows.jsonl").read_bytes().splitlines()
+    return [json.loads(line) for line in lines], counts
+
+
+@pytest.mark.slow
+def test_kills_at_random_moments_lose_and_double_no_row(tmp_path):
+    rows, counts = kill_at_random(tmp_path, kills=5)
+    assert sorted(row["seed"] for row in rows) == list(range(60))
+    assert counts == sorted(counts), "a row was lost"
+    assert all(row["status"] == "ok" for row in rows)
+    assert [row["seed"] for row in table(tmp_path / "out")] == list(range(60))
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
+def test_a_killed_batch_leaves_no_process(tmp_path):
+    file = write_suite(tmp_path, [fake("hang_in_compiled_code", "hangs")], 2)
+    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file), "--jobs", "2"]
+    running = subprocess.Popen(
+        [*command, "--out", str(tmp_path / "out")], stderr=subprocess.DEVNULL
+    )
+    try:
+        deadline = time.monotonic() + 60.0
+        while len(children := busy_children(running.pid)) < 2:
+            assert time.monotonic() < deadline, "the runs did not start"
+            time.sleep(0.2)
+    finally:
+        running.kill()
+        running.wait()
+    deadline = time.monotonic() + 20.0
+    while any(Path(f"/proc/{pid}").exists() for pid in children):
+        assert time.monotonic() < deadline, "a process stayed behind"
+        time.sleep(0.2)
+
+
+def busy_children(pid):
+    """Return the processes below `pid` that do runs."""
+    parents = {}
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            text = status.read_text()
+            name = (status.parent / "cmdline").read_bytes().decode()
+        except OSError:
+            continue
+        parents[int(status.parent.name)] = (int(text.rpartition(")")[2].split()[1]), name)
+
+    def below(child):
+        while child in parents and child != pid:
+            child = parents[child][0]
+        return child == pid
+
+    return [p for p, (_, name) in parents.items() if "dualarm_pin.bench.child" in name and below(p)]
