@@ -20,7 +20,6 @@ SHARP = math.radians(20.0)
 """A curve that turns by more at one place has a corner there, and the corner gets a point."""
 
 _MOST = 1_000_000  # points; more is a slip of the pen
-_PANELS = 64
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(8)
 
 
@@ -33,12 +32,14 @@ class Piece:
         derivative: Its derivative with respect to t, never zero.
         normal: Outward unit normal of the surface it lies on, where there is one.
         even: The derivative has constant length, so t is the share of the arc length.
+        panels: Panels of the quadrature of the arc length where it is not even.
     """
 
     point: Along
     derivative: Along
     normal: Along | None = None
     even: bool = True
+    panels: int = 32
 
     @property
     def length(self) -> float:
@@ -52,7 +53,7 @@ class Piece:
             return np.asarray(np.clip(s / table[-1], 0.0, 1.0))
         grid = np.linspace(0.0, 1.0, len(table))
         t = np.interp(s, table, grid)
-        panel = np.clip((t * _PANELS).astype(int), 0, _PANELS - 1)
+        panel = np.clip((t * self.panels).astype(int), 0, self.panels - 1)
         for _ in range(8):  # Newton on the exact length; the table is within 1 % already
             missing = s - table[panel] - self._lengths(grid[panel], t)
             t = np.clip(t + missing / np.linalg.norm(self.derivative(t), axis=1), 0.0, 1.0)
@@ -63,7 +64,7 @@ class Piece:
         """Return the arc length up to each of the grid points."""
         if self.even:
             return np.array([0.0, np.linalg.norm(self.derivative(np.zeros(1)))])
-        grid = np.linspace(0.0, 1.0, _PANELS + 1)
+        grid = np.linspace(0.0, 1.0, self.panels + 1)
         return np.concatenate([[0.0], np.cumsum(self._lengths(grid[:-1], grid[1:]))])
 
     def _lengths(self, start: Array, stop: Array) -> Array:
@@ -182,11 +183,9 @@ def at_arc_length(pieces: Sequence[Piece], s: Array) -> Samples:
             normal[here] = along(t)
     tangent /= np.linalg.norm(tangent, axis=1, keepdims=True)
     joints = np.flatnonzero((np.abs(s - starts[which]) <= close) & (which > 0))
-    arrives, _ = _end_tangents(pieces)
-    mean = arrives[which[joints] - 1] + tangent[joints]
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    ahead = tangent[joints]
-    tangent[joints] = np.where(length > 1e-6, mean / np.maximum(length, 1e-6), ahead)
+    if len(joints):
+        arrives, _ = _end_tangents([pieces[k - 1] for k in which[joints]])
+        tangent[joints] = _mean(arrives, tangent[joints])
     surface = all(piece.normal is not None for piece in pieces)
     return Samples(position, tangent, s, normal if surface else None)
 
@@ -210,7 +209,7 @@ def _share(stretches: Array, points: int | None, step: float | None) -> list[int
         needed = f"this curve with {len(stretches) - 1} corners needs {len(stretches) + 1}"
         raise InputError(f"{needed} points or more; given {points}", field="points")
     counts = [1] * len(stretches)
-    queue = [(-length, k) for k, length in enumerate(stretches)]
+    queue = [(-round(float(length), 12), k) for k, length in enumerate(stretches)]
     heapq.heapify(queue)
     for _ in range(points - 1 - len(stretches)):
         _, k = queue[0]
@@ -218,6 +217,13 @@ def _share(stretches: Array, points: int | None, step: float | None) -> list[int
         # Rounded, so that stretches of one length get the same share whatever the last digit.
         heapq.heapreplace(queue, (-round(float(stretches[k]) / counts[k], 12), k))
     return counts
+
+
+def _mean(arrives: Array, leaves: Array) -> Array:
+    """Return the unit mean of two directions, or the second where they are opposite."""
+    mean = arrives + leaves
+    length = np.linalg.norm(mean, axis=1, keepdims=True)
+    return np.where(length > 1e-6, mean / np.maximum(length, 1e-6), leaves)
 
 
 def _end_tangents(pieces: Sequence[Piece]) -> tuple[Array, Array]:

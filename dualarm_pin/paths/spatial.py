@@ -84,6 +84,8 @@ def spline_pieces(through: ArrayLike, field: str, closed: bool = False) -> list[
     knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     curve = CubicSpline(knots, points, bc_type="periodic" if closed else "not-a-knot")
     slope = curve.derivative()
+    # A cubic is smooth: 64 panels in all, and a few in each piece, are plenty.
+    panels = max(4, 64 // len(points))
 
     def piece(a: float, b: float) -> Piece:
         def point(t: Array) -> Array:
@@ -92,6 +94,6 @@ def spline_pieces(through: ArrayLike, field: str, closed: bool = False) -> list[
         def derivative(t: Array) -> Array:
             return np.asarray((b - a) * slope(a + t * (b - a)))
 
-        return Piece(point, derivative, even=False)
+        return Piece(point, derivative, even=False, panels=panels)
 
     return [piece(a, b) for a, b in itertools.pairwise(knots)]
