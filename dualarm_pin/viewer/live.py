@@ -8,8 +8,9 @@ from __future__ import annotations
 
 import signal
 import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from types import FrameType
@@ -65,32 +66,36 @@ def serve(
     Raises:
         InputError: The port is taken, or there is no such port.
     """
-    ended = threading.Event()
-    with serving(page, port) as address, _on_terminate(ended.set):
+    with serving(page, port) as address, _signals() as received:
         ready(address)
         if open_browser:
             import webbrowser  # looks for browsers when imported
 
             # A browser that stays in the foreground must not keep the program from ending.
             threading.Thread(target=webbrowser.open, args=(address,), daemon=True).start()
-        with suppress(KeyboardInterrupt):
-            ended.wait()
+        # A signal may reach another thread, where it wakes nobody: so look now and then.
+        while not received:
+            time.sleep(0.1)
 
 
 @contextmanager
-def _on_terminate(act: Callable[[], None]) -> Iterator[None]:
+def _signals() -> Iterator[list[int]]:
+    """Give the list to which Ctrl-C and SIGTERM add themselves instead of ending the program."""
+    received: list[int] = []
     if threading.current_thread() is not threading.main_thread():
-        yield  # only the main thread may set handlers; there the caller ends the program
+        yield received  # only the main thread may set handlers; there the caller ends the program
         return
 
-    def handle(_signal: int, _frame: FrameType | None) -> None:
-        act()
+    def handle(number: int, _frame: FrameType | None) -> None:
+        received.append(number)
 
-    before = signal.signal(signal.SIGTERM, handle)
+    # Ctrl-C is handled too: a program started in the background inherits that it is ignored.
+    before = {kind: signal.signal(kind, handle) for kind in (signal.SIGINT, signal.SIGTERM)}
     try:
-        yield
+        yield received
     finally:
-        signal.signal(signal.SIGTERM, before)
+        for kind, handler in before.items():
+            signal.signal(kind, handler)
 
 
 class _Server(ThreadingHTTPServer):

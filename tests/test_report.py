@@ -1,0 +1,115 @@
+"""The report without a browser: what its tables say, what is refused, what is escaped."""
+
+import base64
+import gzip
+import json
+import re
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from ns16_pair import corner, motions, pair
+
+from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.relative import Relative
+from dualarm_pin.report import Result, _between_arms, report_page, write_report
+
+SUMMARY = {
+    "found": True,
+    "method": "global",
+    "solver": "engine",
+    "mean_index": 0.40627,
+    "objective": 12.7308877,
+    "max_joint_step": 0.245,
+    "evidence": {
+        "verdict": "best_known_bounded",
+        "laws": {"anchored": {"starts": 300, "converged": 280, "minima": 46, "best_hits": 9}},
+        "missed_share_95": 0.005,
+        "lower_bound": 12.7308,
+        "gap": 7e-6,
+    },
+    "timing": {"wall_s": 5.25, "cpu_s": 9.5, "compile_s": 0.0},
+    "seed": 0,
+    "versions": {"pin": "4.1.0"},
+}
+
+
+def results():
+    cell, path = pair(), corner()
+    found = []
+    for k, (q, index) in enumerate(motions()):
+        clearance = np.array([cell.clearance(row).distance for row in q])
+        found.append(
+            Result(f"result {k}", cell, path, q, index, clearance, summary=SUMMARY, units="m²")
+        )
+    return found
+
+
+def head_of(page):
+    text = page.decode("utf-8")
+    data = re.search(r'<script id="data" type="text/plain">([^<]*)</script>', text).group(1)
+    raw = gzip.decompress(base64.b64decode(data))
+    return json.loads(raw[4 : 4 + int.from_bytes(raw[:4], "little")])
+
+
+def cells(head, section, row):
+    table = next(s for s in head["results"] if s["title"] == section)
+    return dict(table["rows"])[row]
+
+
+def test_tables_say_what_was_checked():
+    head = head_of(report_page(results(), title="three"))
+    assert head["title"] == "three"
+    assert cells(head, "Result", "found") == ["yes"] * 3
+    assert cells(head, "Result", "objective")[0] == "12.73089"
+    assert cells(head, "Result", "mean index")[0] == "0.4063 m²"
+    assert "280 converged, 46 minima, best hit 9×" in cells(head, "Evidence", "starts")[0]
+    assert cells(head, "Evidence", "gap to it")[0] == "0.0007 %"
+    assert "lower bound" in cells(head, "Evidence", "verdict")[0]
+    assert cells(head, "Provenance", "seed") == ["0"] * 3
+    assert "ns16.urdf" in cells(head, "Provenance", "files read (SHA-256)")[0]
+    assert pair().sources[1].sha256[:16] in cells(head, "Provenance", "files read (SHA-256)")[0]
+
+
+def test_what_is_not_known_is_left_out_or_said():
+    bare = [replace(r, summary={"found": False}, clearance=None) for r in results()[:1]]
+    head = head_of(report_page(bare))
+    assert cells(head, "Result", "found") == ["NO"]
+    assert cells(head, "Result", "smallest clearance") == ["unknown (geometry is missing)"]
+    assert not next(s for s in head["results"] if s["title"] == "Evidence")["rows"]
+    assert head["runs"][0]["clearance"] is None
+
+
+def test_collision_is_said():
+    hit = replace(results()[0], clearance=np.linspace(0.1, -0.01, 31), nearest="arm1/a - arm2/b")
+    text = cells(head_of(report_page([hit])), "Result", "smallest clearance")[0]
+    assert text == "-0.01 m IN COLLISION\narm1/a - arm2/b"
+
+
+def test_distance_between_the_arms_is_at_least_the_clearance():
+    result = results()[0]
+    between = _between_arms(result.cell, result.q)
+    assert between.shape == (31,)
+    assert np.all(between >= result.clearance - 1e-12)
+    # Pull the second arm's base away in thought: the tips are 0.3 m apart, the arms cannot be.
+    tips = np.linalg.norm(Relative(result.cell, result.q[0]).T_e1_e2.translation)
+    assert between[0] <= tips
+
+
+def test_page_is_one_small_file_and_names_are_escaped(tmp_path):
+    bad = '</script><script>alert("x")</script>'
+    named = [replace(r, label=bad, task=bad, quantity=bad) for r in results()]
+    file = tmp_path / "report.html"
+    write_report(file, named, title=bad)
+    text = file.read_text("utf-8")
+    assert bad not in text
+    assert file.stat().st_size < 8_000_000
+    assert not re.search(r"""(src|href)\s*=\s*["']?(https?:)?//""", text)
+
+
+def test_what_does_not_fit_is_refused():
+    with pytest.raises(InputError, match="there is no result to report"):
+        report_page([])
+    wrong = replace(results()[0], clearance=np.zeros(30))
+    with pytest.raises(ShapeError, match=r"clearance: result 'result 0': \(31,\) is expected"):
+        report_page([wrong])
