@@ -1,0 +1,235 @@
+"""The verdict for every combination of findings, and what the sentences may not say."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, replace
+from itertools import product
+
+import numpy as np
+import pytest
+from evidence_cases import minima_of_six, six_points
+
+from dualarm_pin.errors import ShapeError
+from dualarm_pin.evidence import examine
+from dualarm_pin.evidence.bound import Bound
+from dualarm_pin.evidence.check import LocalCheck
+from dualarm_pin.evidence.laws import (
+    count,
+    expected_better,
+    laws_suffice,
+    missed_share,
+    unseen_share,
+)
+from dualarm_pin.evidence.sentences import STOPPING_RULE
+from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.solvers.ends import Ends
+from dualarm_pin.trajectory import Evidence, LawCount
+
+FORBIDDEN = ("global", "certified", "optimal within", "chance of being", "guarantee", "proven")
+STRICT = LocalCheck(
+    q=np.zeros((31, 12)),
+    objective=12.7309,
+    feasibility=1e-12,
+    stationarity=1e-9,
+    min_multiplier=0.0093,
+    n_active=98,
+    curvature_min=0.284,
+    free_directions=88,
+    sigma_min=0.21,
+    return_radius=0.2,
+    return_share=1.0,
+    limit_cost={"arm1/joint_5": 22.1, "arm2/joint_5": 10.7},
+)
+LOCALS = {
+    "strict": STRICT,
+    "flat": replace(STRICT, curvature_min=0.0),
+    "saddle": replace(STRICT, curvature_min=-0.5),
+    "moving": replace(STRICT, stationarity=0.1),
+    "edge": replace(STRICT, sigma_min=1e-5, return_share=0.9, return_radius=None, limit_cost={}),
+}
+LAWS: dict[str, tuple[dict[str, LawCount], bool]] = {
+    "none": ({}, False),
+    "one": ({"anchored": LawCount(600, 590, 48, 9)}, True),
+    "two": (
+        {"anchored": LawCount(300, 290, 48, 5), "whole path": LawCount(400, 380, 90, 3)},
+        True,
+    ),
+    "few starts": (
+        {"anchored": LawCount(299, 290, 48, 5), "whole path": LawCount(400, 380, 90, 6)},
+        True,
+    ),
+    "few hits": (
+        {"anchored": LawCount(300, 290, 48, 5), "whole path": LawCount(400, 380, 90, 2)},
+        True,
+    ),
+    "disagree": (
+        {"anchored": LawCount(300, 290, 48, 5), "whole path": LawCount(400, 380, 90, 0)},
+        False,
+    ),
+}
+CLOSED = Bound(12.7308, 12.7309, (10, 20), (445, 445, 445), (15, 6, 3), 5.0, {(10, 20): 12.7308})
+BOUNDS = {
+    "none": None,
+    "closed": CLOSED,
+    "wide gap": replace(CLOSED, value=12.0),
+    "just open": replace(CLOSED, value=12.7309 * (1.0 - 1.01e-3)),
+    "few hits": replace(CLOSED, hits=(15, 2, 9)),
+    "better": replace(CLOSED, better=np.zeros((31, 12))),
+    "cut short": replace(CLOSED, complete=False),
+    "whole": replace(CLOSED, cuts=(), starts=(445,), hits=(4,), tried={(): 12.7308}),
+}
+CASES = list(product(LOCALS, LAWS, BOUNDS))
+
+
+def findings(local: str, laws: str, bound: str) -> Findings:
+    counted, agree = LAWS[laws]
+    return Findings(LOCALS[local], counted, agree, BOUNDS[bound])
+
+
+@pytest.mark.parametrize(("local", "laws", "bound"), CASES)
+def test_verdict_sentences_and_record_of_every_combination(
+    local: str, laws: str, bound: str
+) -> None:
+    evidence, text = conclude(findings(local, laws, bound))
+    minimum = local in {"strict", "flat", "edge"}
+    if not (minimum and laws == "two"):
+        expected = "local_only"
+    else:
+        expected = "best_known_bounded" if bound in {"closed", "whole"} else "best_known"
+    assert evidence.verdict == expected
+    lines = text.split("\n")
+    assert len(lines) == 3
+    assert all(line[0].isupper() and line.endswith(".") for line in lines)
+    # The details are read by people too.
+    shown = (text + json.dumps(asdict(evidence))).lower()
+    assert not [word for word in FORBIDDEN if word in shown]
+    assert (bound != "none") == ("unless" in text), "a bound comes with its condition"
+    assert ("Strict local minimum" in text) == (local in {"strict", "edge"})
+
+
+def test_the_record_holds_what_was_measured() -> None:
+    evidence, _ = conclude(findings("strict", "two", "closed"))
+    assert evidence.stationarity == 1e-9
+    assert evidence.curvature_min == 0.284
+    assert evidence.active_bounds == 98
+    assert evidence.lower_bound == 12.7308
+    assert evidence.gap == pytest.approx(1e-4 / 12.7309)
+    assert evidence.missed_share_95 == pytest.approx(1 - 0.05 ** (1 / 300))
+    details = evidence.details
+    assert details["local"] == "strict_minimum"
+    assert details["bound_cuts"] == [11, 21]
+    assert details["piece_hits"] == [15, 6, 3]
+    assert details["costliest_joint"] == "arm1/joint_5"
+    assert details["laws_agree"] is True
+    assert details["stopping_rule"] == STOPPING_RULE
+    assert details["stopping_rule_met"] is True
+
+
+@pytest.mark.parametrize(
+    ("local", "kind"),
+    [("flat", "flat_minimum"), ("saddle", "saddle"), ("moving", "not_stationary")],
+)
+def test_the_record_tells_what_kind_of_point_it_is(local: str, kind: str) -> None:
+    assert conclude(findings(local, "two", "none"))[0].details["local"] == kind
+
+
+def test_what_was_not_done_is_null() -> None:
+    evidence, _ = conclude(findings("strict", "none", "none"))
+    assert evidence == Evidence(
+        verdict="local_only",
+        stationarity=1e-9,
+        curvature_min=0.284,
+        active_bounds=98,
+        details=evidence.details,
+    )
+    assert evidence.details["laws_agree"] is None
+    assert evidence.details["piece_hits"] is None
+
+
+def test_the_sentences_of_a_full_run() -> None:
+    _, text = conclude(findings("strict", "two", "closed"))
+    assert text == (
+        "Best of 700 starts (two ways), found 5 + 3 times: better paths that these starts can "
+        "reach draw under 0.99 % of them (95 %).\n"
+        "Splitting into 3 pieces: no better path can exist below 12.7308 (gap 0.00079 %) unless a "
+        "piece search (445 starts each, minimum hit 3 to 15 times) missed a minimum.\n"
+        "Strict local minimum, 98 joint limits active, arm1/joint_5 costs most."
+    )
+
+
+def test_without_a_bound_the_stopping_rule_is_printed() -> None:
+    assert "(1000 for a published number)" in STOPPING_RULE
+    for laws, end in (("two", "; met here."), ("few hits", "; not met here.")):
+        line = conclude(findings("strict", laws, "none"))[1].split("\n")[1]
+        assert STOPPING_RULE in line
+        assert line.endswith(end)
+
+
+def ends(*minimum: int, converged: int | None = None) -> Ends:
+    """Return one end per number: number m is minimum m, at 0.1 m and with objective m."""
+    m = np.array(minimum, dtype=float)
+    ok = np.arange(len(m)) < (len(m) if converged is None else converged)
+    q = np.tile(0.1 * m[:, None, None], (1, 2, 3))
+    return Ends(q, m, np.zeros(len(m)), ok, ok, np.ones(len(m), dtype=np.int64))
+
+
+def test_counts_of_one_law() -> None:
+    law = count(ends(3, 1, 1, 2, 5, 1, 3, converged=6), np.full((2, 3), 0.1))
+    assert law == LawCount(
+        starts=7,
+        converged=6,
+        minima=4,
+        best_hits=3,
+        singletons=3,
+        twins=0,
+        second_best=2.0,
+        last_improvement=2,
+    )
+
+
+def test_counts_weigh_ends_by_the_starts_that_led_there() -> None:
+    law = count(ends(1, 2, 1), np.full((2, 3), 0.1), weight=np.array([4, 1, 2]), starts=20)
+    assert (law.starts, law.converged, law.best_hits, law.singletons) == (20, 7, 6, 1)
+    assert law.last_improvement is None
+
+
+def test_a_twin_has_the_objective_but_not_the_joints_of_the_best() -> None:
+    both = ends(1, 1, 2)
+    both.q[1] = -both.q[1]
+    law = count(both, np.full((2, 3), 0.1))
+    assert (law.minima, law.best_hits, law.twins) == (3, 1, 1)
+
+
+def test_a_law_that_found_nothing_counts_nothing() -> None:
+    law = count(ends(1, 2, converged=0), np.full((2, 3), 0.1))
+    assert law == LawCount(2, 0, 0, 0)
+    assert unseen_share(law) is None
+    assert expected_better(law) is None
+
+
+def test_shares_of_a_law() -> None:
+    law = LawCount(500, 500, 118, 4, singletons=55)
+    assert unseen_share(law) == pytest.approx(0.11)
+    # W (N - 1) / (N - W - 2) = 118 * 499 / 380 = 154.95 minima; (154.95 - 118) / 119 = 0.31
+    assert expected_better(law) == pytest.approx(0.3105, abs=1e-3)
+    assert expected_better(LawCount(100, 100, 51, 1)) == 1.0
+    assert expected_better(LawCount(50, 50, 48, 1)) is None
+
+
+def test_one_law_alone_gives_no_share_and_does_not_suffice() -> None:
+    one = {"anchored": LawCount(1000, 1000, 10, 50)}
+    assert missed_share(one) is None
+    assert not laws_suffice(one)
+
+
+def test_examine_gives_evidence_for_a_path_from_anywhere() -> None:
+    evidence, text = examine(six_points(), minima_of_six().ends.q[0], jobs=2)
+    assert evidence.verdict == "local_only"
+    assert evidence.details["local"] == "strict_minimum"
+    assert text.startswith("No other starts were made")
+
+
+def test_examine_names_the_shape_it_wants() -> None:
+    with pytest.raises(ShapeError, match=r"q: expected shape \(6, 12\), given \(5, 12\)"):
+        examine(six_points(), np.zeros((5, 12)))
