@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.constraints import pose_residual
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.indices import Index
 from dualarm_pin.relative import Relative
@@ -202,80 +203,6 @@ class Problem:
         return pose_residual(
             relative, self.position[i], self.rotation[i], int(self.rows[i]), self.spin_axis
         )
-
-
-def pose_residual(
-    relative: Relative, position: Array, rotation: Array, rows: int, spin_axis: Array
-) -> tuple[Array, Array]:
-    """Return the pose residual and its Jacobian.
-
-    The rotation rows are twice the vector part of the error quaternion: smooth, and zero only at
-    the right rotation (a skew part is also zero at half a turn). With the spin free they are
-    twice the sine of half the angle between the tool axes, along the two normals of the axis.
-
-    Args:
-        relative: The pair of arms at one q.
-        position: Wanted position (3,) [m].
-        rotation: Wanted rotation (3, 3).
-        rows: 6, 5 or 3.
-        spin_axis: Unit axis in e2 (3,), used with 5 rows.
-
-    Returns:
-        Residual (rows,) and its Jacobian (rows, n).
-    """
-    T, J = relative.T_e1_e2, relative.J_r
-    linear = T.translation - position
-    if rows == 3:
-        return linear, J[:3]
-    error = rotation.T @ T.rotation
-    if rows == 5:
-        angular, slope = _axis_error(error, spin_axis)
-    else:
-        angular, slope = _quaternion_error(error)
-    jacobian = np.vstack([J[:3], slope @ rotation.T @ J[3:]])
-    return np.concatenate([linear, angular]), jacobian
-
-
-def _quaternion_error(error: Array) -> tuple[Array, Array]:
-    """Return 2 vec(e) of a rotation and its derivative for a turn in the wanted frame."""
-    w, x, y, z = _quaternion(error)
-    # de = 1/2 (0, omega) e, so d(2 vec e) = (w I - [vec e]x) omega.
-    return 2.0 * np.array([x, y, z]), np.array([[w, z, -y], [-z, w, x], [y, -x, w]])
-
-
-def _quaternion(R: Array) -> tuple[float, float, float, float]:
-    """Return (w, x, y, z) with w >= 0 of a rotation."""
-    trace = R[0, 0] + R[1, 1] + R[2, 2]
-    candidates = (trace, R[0, 0], R[1, 1], R[2, 2])
-    largest = int(np.argmax(candidates))
-    if largest == 0:
-        q = np.array([1 + trace, R[2, 1] - R[1, 2], R[0, 2] - R[2, 0], R[1, 0] - R[0, 1]])
-    else:
-        i = largest - 1
-        j, k = (i + 1) % 3, (i + 2) % 3
-        q = np.empty(4)
-        q[0] = R[k, j] - R[j, k]
-        q[1 + i] = 1 + R[i, i] - R[j, j] - R[k, k]
-        q[1 + j] = R[i, j] + R[j, i]
-        q[1 + k] = R[i, k] + R[k, i]
-    q /= np.sqrt(q @ q) * (1.0 if q[0] >= 0 else -1.0)
-    return float(q[0]), float(q[1]), float(q[2]), float(q[3])
-
-
-def _axis_error(error: Array, axis: Array) -> tuple[Array, Array]:
-    """Return the tilt of `axis` (2,) and its derivative (2, 3) for a turn in the wanted frame."""
-    normals = np.linalg.svd(axis[None])[2][1:]
-    tilted = error @ axis
-    # |normals . tilted| = sin(angle) = 2 sin(half) cos(half), and 1 + axis . tilted = 2 cos(half)^2
-    half = float(np.sqrt(max(0.5 + 0.5 * float(axis @ tilted), 1e-12)))
-    residual = normals @ tilted / half
-    turn = _skew(tilted)  # d tilted = omega x tilted = -[tilted]x omega
-    slope = -normals @ turn / half + np.outer(residual, axis @ turn) / (4.0 * half**2)
-    return residual, slope
-
-
-def _skew(a: Array) -> Array:
-    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
 def index_matrix(index: Index, J: Array) -> Array:

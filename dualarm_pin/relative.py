@@ -1,6 +1,6 @@
 """The reference kinematics at one q, from Pinocchio: relative pose, Jacobian, derivative.
 
-Conventions (method.md 1, eq. 11): velocities are [linear; angular] of e2 with respect to e1, in
+Conventions (eq. 11): velocities are [linear; angular] of e2 with respect to e1, in
 the axes of e1; the linear part is the rate of the position of e2 in e1, so the turning of e1
 counts.
 """
@@ -69,7 +69,7 @@ class Relative:
     def dJ_r(self) -> Array:
         """Derivative (6, n, n): `dJ_r[:, k, l]` is d J_r[:, k] / d q_l.
 
-        Closed form from the columns of J_r (method.md 4): with the joints in chain order
+        Closed form from the columns of J_r: with the joints in chain order
         e1 -> base1 -> base2 -> e2, dJ_k/dq_l is [w_l x v_k; w_l x w_k] for l before or at k, and
         [w_k x v_l; 0] for l after k.
         """

@@ -59,6 +59,8 @@ def summary(task: Task, trajectory: Trajectory) -> str:
         if t.min_clearance is None
         else f"{t.min_clearance:.3f} m" + (" (IN COLLISION)" if t.min_clearance <= 0 else "")
     )
+    if t.arm_clearance is not None:
+        clearance += f", between the arms {t.arm_clearance:.3f} m"
     units = task.index.units
     lines = [
         f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",

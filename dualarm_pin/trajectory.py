@@ -148,6 +148,12 @@ class Trajectory:
         """Largest index on the path."""
         return float(np.max(self.index))
 
+    @property
+    def arm_clearance(self) -> float | None:
+        """Smallest distance between the two arms on the path [m]; None if unknown."""
+        values = self.extra.get("arm_clearance")
+        return None if values is None else float(np.min(values))
+
     def as_dict(self) -> dict[str, Any]:
         """Return the content of `result.json`; what is not a finite number becomes null."""
         keys = (

@@ -33,6 +33,8 @@ class Verification:
             or 0 where only the position is asked for (h,) [rad].
         bound_violation: Largest violation of a bound at each point (h,) [rad or m].
         clearance: Smallest distance of the collision pairs (h,) [m], or None.
+        arm_clearance: Smallest distance between the arms (h,) [m], or None: a wrist always sits
+            close to its own forearm, so this one tells more.
         smallest_singular_value: Of J_r at each point (h,).
         max_joint_step: Largest step of one joint between neighbours [rad or m].
         found: All errors are within tolerance.
@@ -43,6 +45,7 @@ class Verification:
     rotation_error: Array
     bound_violation: Array
     clearance: Array | None
+    arm_clearance: Array | None
     smallest_singular_value: Array
     max_joint_step: float
     found: bool
@@ -91,16 +94,14 @@ def verify(
         ]
     )
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
-    distances = [cell.clearance(q_i) for q_i in q] if clearance else [None]
     step = float(np.max(np.abs(np.diff(q, axis=0)))) if len(q) > 1 else 0.0
     return Verification(
         index=index,
         position_error=position_error,
         rotation_error=rotation_error,
         bound_violation=violation,
-        clearance=None
-        if any(d is None for d in distances)
-        else np.array([d.distance for d in distances if d is not None]),
+        clearance=distances(task, q) if clearance else None,
+        arm_clearance=distances(task, q, between_arms=True) if clearance else None,
         smallest_singular_value=np.array(
             [np.linalg.svd(point.J_r, compute_uv=False)[-1] for point in points]
         ),
@@ -109,6 +110,13 @@ def verify(
         and bool(np.all(rotation_error <= tolerance.rotation))
         and bool(np.all(violation <= tolerance.bound)),
     )
+
+
+def distances(task: Task, q: Array, *, between_arms: bool = False) -> Array | None:
+    """Return the smallest distance at every point (h,) [m], or None where it is not known."""
+    found = [task.cell.clearance(q_i, between_arms=between_arms) for q_i in q]
+    known = [clearance.distance for clearance in found if clearance is not None]
+    return np.array(known) if len(known) == len(found) else None
 
 
 def rotation_distance(wanted: Array, given: Array, rows: int, spin_axis: Array) -> float:

@@ -9,10 +9,11 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
+from dualarm_pin.constraints import pose_residual
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import force
-from dualarm_pin.problem import Problem, pose_residual
+from dualarm_pin.problem import Problem
 from dualarm_pin.relative import Relative
 from dualarm_pin.task import Task
 

@@ -79,7 +79,11 @@ def finish(
         seed=seed,
         versions=versions(),
         message=message or _why(checked),
-        extra=dict(extra or {}) | {"smallest_singular_value": checked.smallest_singular_value},
+        extra=dict(extra or {})
+        | {
+            "smallest_singular_value": checked.smallest_singular_value,
+            "arm_clearance": checked.arm_clearance,
+        },
     )
 
 

@@ -15,11 +15,12 @@ import numpy as np
 import quadprog
 from numpy.typing import NDArray
 
+from dualarm_pin.constraints import pose_residual
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.multistart.starts import generator
 from dualarm_pin.planners.finish import Clock, finish
 from dualarm_pin.planners.reach import feasible_postures, unreachable
-from dualarm_pin.problem import Problem, index_gradient, pose_residual
+from dualarm_pin.problem import Problem, index_gradient
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.relative import Relative
 from dualarm_pin.solvers import nlopt_slsqp

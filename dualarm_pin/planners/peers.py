@@ -1,0 +1,186 @@
+"""What one gets elsewhere: CasADi with IPOPT or fatrop, and Pink. Each behind its extra.
+
+`plan_casadi` solves the same whole-path problem (19) from random starts. `plan_pink` solves
+another, local one: differential inverse kinematics with the relative pose as a task and the
+manipulability of the second arm as a wish; it knows neither the index nor the smoothness of the
+task, and is judged by them all the same.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.errors import InputError, MissingExtraError
+from dualarm_pin.multistart.starts import common_postures, generator
+from dualarm_pin.planners.finish import Clock, finish
+from dualarm_pin.planners.local import best_first_posture
+from dualarm_pin.planners.reach import unreachable
+from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.solvers import casadi_ipopt
+from dualarm_pin.solvers.projection import project_point
+from dualarm_pin.trajectory import Evidence, LawCount, Trajectory
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+Array = NDArray[np.float64]
+
+
+def plan_casadi(
+    task: Task,
+    *,
+    plugin: str = "ipopt",
+    starts: int = 10,
+    seed: int = 0,
+    progress: Progress = SILENT,
+) -> Trajectory:
+    """Solve (19) over the whole path with CasADi, from random postures common to all points.
+
+    Args:
+        task: What is asked.
+        plugin: `ipopt` or `fatrop`.
+        starts: Number of starts.
+        seed: Seed of the starts.
+        progress: Told where the work stands.
+
+    Raises:
+        MissingExtraError: CasADi is not installed.
+        InputError: CasADi has no expression for the index.
+    """
+    clock = Clock.start()
+    problem = task.problem()
+    programme = casadi_ipopt.build(problem, plugin)
+    drawn = common_postures(problem.lower, problem.upper, problem.k, starts, generator(seed, 20))
+    progress.stage(f"CasADi, {plugin}", starts)
+    ends = []
+    for number, start in enumerate(drawn):
+        ends.append(programme.solve(start, number=number))
+        progress.advance()
+    feasible = [end for end in ends if end.feasible]
+    solver = f"casadi-{plugin}"
+    if not feasible:
+        return unreachable(task, "casadi", solver, seed, clock)
+    best = min(feasible, key=lambda end: end.objective)
+    values = np.array([end.objective for end in feasible if end.converged])
+    best_hits = int(np.sum(values <= best.objective * (1.0 + 1e-5)))
+    law = LawCount(starts, len(values), len(np.unique(np.round(values, 4))), best_hits)
+    return finish(
+        task,
+        best.q,
+        method="casadi",
+        solver=solver,
+        timing=clock.read(),
+        seed=seed,
+        evidence=Evidence(laws={"whole path": law}),
+        extra={"build_s": programme.build_s, "solve_s": [end.wall_s for end in ends]},
+    )
+
+
+def plan_pink(
+    task: Task,
+    *,
+    starts: int = 20,
+    seed: int = 0,
+    substeps: int = 10,
+    manipulability: float = 0.1,
+    progress: Progress = SILENT,
+) -> Trajectory:
+    """Follow the path with Pink: `RelativeFrameTask` and `ManipulabilityTask` of the second arm.
+
+    Every point is put onto the path exactly at the end of its interval, as for `plan_local`; Pink
+    alone would stay a little off it.
+
+    Args:
+        task: What is asked.
+        starts: Starts for the first point, whose best index is taken.
+        seed: Seed of the starts.
+        substeps: Steps an interval.
+        manipulability: Cost of the manipulability task; 0 leaves it out.
+        progress: Told where the work stands.
+
+    Raises:
+        MissingExtraError: Pink is not installed.
+        InputError: The path leaves components free, or a joint is not revolute or is mapped.
+    """
+    clock = Clock.start()
+    problem = task.problem()
+    follower = _PinkFollower(task, manipulability, 1.0 / (problem.k - 1) / substeps)
+    q_first = best_first_posture(problem, starts, seed)
+    if q_first is None:
+        return unreachable(task, "pink", "relative-frame", seed, clock)
+    progress.stage("Pink", problem.k - 1)
+    q = [project_point(problem, 0, q_first)[0]]
+    gave_way = []
+    for i in range(1, problem.k):
+        at, solved = follower.follow(q[-1], problem, i, substeps)
+        if not solved:
+            gave_way.append(i + 1)
+        q.append(project_point(problem, i, at)[0])
+        progress.advance()
+    return finish(
+        task,
+        np.array(q),
+        method="pink",
+        solver="relative-frame",
+        timing=clock.read(),
+        seed=seed,
+        extra={"manipulability": manipulability, "infeasible_at": gave_way},
+    )
+
+
+class _PinkFollower:
+    """Pink's tasks for the two tool frames of a cell."""
+
+    def __init__(self, task: Task, manipulability: float, dt: float) -> None:
+        try:
+            import pink
+            from pink import limits, tasks
+        except ImportError as error:
+            raise MissingExtraError(
+                "this method needs Pink: pip install 'dualarm-pin[pink]'"
+            ) from error
+        cell = task.cell
+        if not (task.path.rows == 6).all():
+            raise InputError("Pink's relative task holds whole poses alone", field="path")
+        if any(joint.kind != "revolute" for joint in cell.joints) or not cell.same_order:
+            raise InputError("Pink's manipulability is for plain revolute joints", field="cell")
+        self._pink: Any = pink
+        self._dt = dt
+        # Pink adds attributes to the model it is given: it gets one of its own.
+        self._model = cell.model.copy()
+        e1, e2 = (self._model.frames[frame].name for frame in (cell.e1, cell.e2))
+        self._limits = [limits.ConfigurationLimit(self._model)]
+        self._relative = tasks.RelativeFrameTask(e2, e1, position_cost=1.0, orientation_cost=1.0)
+        self._tasks = [self._relative, tasks.DampingTask(cost=1e-3)]
+        if manipulability > 0.0:
+            self._tasks.append(
+                # Pink counts the wish per step, not per second: 1/s would jump at the first step.
+                tasks.ManipulabilityTask(
+                    e2, self._model, cost=manipulability, manipulability_rate=dt
+                )
+            )
+
+    def follow(self, q: Array, problem: Any, i: int, substeps: int) -> tuple[Array, bool]:
+        """Go from point i - 1 to point i; return the joints and whether every step was solved."""
+        import pinocchio as pin
+
+        first = pin.SE3(problem.rotation[i - 1], problem.position[i - 1])
+        last = pin.SE3(problem.rotation[i], problem.position[i])
+        at = np.clip(q, problem.lower, problem.upper)
+        for s in range(1, substeps + 1):
+            share = s / substeps
+            turn = pin.exp3(share * pin.log3(first.rotation.T @ last.rotation))
+            place = (1.0 - share) * first.translation + share * last.translation
+            self._relative.set_target(pin.SE3(first.rotation @ turn, place))
+            configuration = self._pink.Configuration(self._model, self._model.createData(), at)
+            try:
+                velocity = self._pink.solve_ik(
+                    configuration, self._tasks, self._dt, solver="quadprog", limits=self._limits
+                )
+            except self._pink.PinkError:
+                return at, False
+            at = np.clip(at + velocity * self._dt, problem.lower, problem.upper)
+        return at, True
