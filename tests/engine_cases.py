@@ -83,3 +83,68 @@ def paper_problem(
     }
     chain = changes.pop("chain", None) or ns16_chain()
     return problem_data(chain, index or force(), position, **(stated | changes))
+
+
+def random_pair(seed: int, joints: tuple[int, int] = (5, 5), prismatic: float = 0.25) -> Any:
+    """Return (model, e1, e2): two arms of random joints on random axes, random tool frames."""
+    rng = np.random.default_rng(seed)
+    model, tips = pin.Model(), []
+    for arm, count in zip(("arm1", "arm2"), joints, strict=True):
+        parent = 0
+        for number in range(count):
+            axis = rng.normal(size=3)
+            axis /= np.linalg.norm(axis)
+            if rng.uniform() < prismatic:
+                joint = pin.JointModelPrismaticUnaligned(axis)
+            elif rng.uniform() < 0.3:
+                joint = [pin.JointModelRX, pin.JointModelRY, pin.JointModelRZ][rng.integers(3)]()
+            else:
+                joint = pin.JointModelRevoluteUnaligned(axis)
+            parent = model.addJoint(parent, joint, _random_place(rng), f"{arm}/{number}")
+        frame = pin.Frame(f"{arm}/tip", parent, _random_place(rng), pin.FrameType.BODY)
+        tips.append(model.addFrame(frame))
+    return model, tips[0], tips[1]
+
+
+def _random_place(rng: np.random.Generator) -> Any:
+    turn = pin.Quaternion(rng.normal(size=4)).normalized()
+    return pin.SE3(turn, rng.uniform(-0.4, 0.4, 3))
+
+
+def random_problem(seed: int, index: Index, k: int = 4, mimic: bool = True) -> Problem:
+    """Return a problem on a random pair with every kind of point, weight and link.
+
+    With `mimic` the model has ten joints and nine variables: two joints follow one variable, one
+    of them scaled and shifted, one joint stands still, and one variable moves nothing.
+    """
+    rng = np.random.default_rng(seed)
+    model, e1, e2 = random_pair(seed)
+    n = model.nv
+    if mimic:
+        joint_map = np.zeros((n, n - 1))
+        joint_map[: n - 2, : n - 2] = np.eye(n - 2)
+        joint_map[n - 1, 1] = -0.7
+        offset = np.where(np.arange(n) >= n - 2, 0.3, 0.0)
+        n -= 1
+    else:
+        joint_map, offset = np.eye(n), np.zeros(n)
+    rotation = np.array([_random_place(rng).rotation for _ in range(k)])
+    return problem_data(
+        chain_from_model(model, e1, e2, joint_map, offset),
+        index,
+        rng.normal(size=(k, 3)),
+        rotation,
+        lower=np.full(n, -2.0),
+        upper=rng.uniform(1.5, 2.5, n),
+        rows=[(6, 5, 3)[i % 3] for i in range(k)],
+        spin_axis=rng.normal(size=3),
+        u=rng.normal(size=(k, 6)),
+        link_weight=rng.uniform(0.0, 3.0, k - 1),
+        metric=rng.uniform(0.5, 2.0, n),
+        index_weight=rng.uniform(0.0, 2.0, k),
+        linear=rng.normal(size=(k, n)),
+        before=rng.normal(size=n),
+        before_weight=1.3,
+        after=rng.normal(size=n),
+        after_weight=0.4,
+    )

@@ -63,8 +63,9 @@ def copy_rows(source: Any, target: Any) -> None:
 
 
 def source_stamp() -> int:
-    """Return a number that changes with any source file of the engine."""
+    """Return a number that changes with any source file of the engine or of the indices."""
     digest = hashlib.sha256()
-    for file in sorted(Path(__file__).parent.glob("*.py")):
+    here = Path(__file__).parent
+    for file in sorted([*here.glob("*.py"), *(here.parent / "indices").glob("*.py")]):
         digest.update(file.read_bytes())
     return int.from_bytes(digest.digest()[:6], "big")

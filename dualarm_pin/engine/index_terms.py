@@ -121,7 +121,7 @@ def called_value(problem: Problem, i: int, scratch: Scratch) -> float:
     """Return phi(A, u)."""
     task_matrix(problem, scratch)
     call_with_3(
-        problem.calls[0], scratch.A.ctypes.data, problem.points.u[i].ctypes.data, scratch.value.ctypes.data
+        problem.calls[0], problem.index_kind, scratch.A.ctypes.data, problem.points.u[i].ctypes.data, scratch.value.ctypes.data
     )
     return scratch.value[0]
 
@@ -137,7 +137,7 @@ def called_terms(problem: Problem, i: int, scratch: Scratch) -> None:
     W, G, J_r, u = problem.joint_weights, scratch.G, scratch.J_r, problem.points.u[i]
     b, s = scratch.b, problem.task_scale
     task_matrix(problem, scratch)
-    call_with_3(problem.calls[1], scratch.A.ctypes.data, u.ctypes.data, G.ctypes.data)
+    call_with_3(problem.calls[1], problem.index_kind, scratch.A.ctypes.data, u.ctypes.data, G.ctypes.data)
     for e in range(chain.kind.shape[0]):
         b[:, e] = 0.0
         if chain.role[e] == VARIABLE:
@@ -202,6 +202,7 @@ def _add_curvature(problem: Problem, i: int, weight: float, scratch: Scratch) ->
     for e in range(dA.shape[0]):
         call_with_4(
             problem.calls[2],
+            problem.index_kind,
             A.ctypes.data,
             problem.points.u[i].ctypes.data,
             dA[e].ctypes.data,

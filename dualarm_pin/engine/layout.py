@@ -13,7 +13,8 @@ from dualarm_pin.engine.by_reference import by_reference
 from dualarm_pin.engine.chain import Chain, Floats, Integers
 from dualarm_pin.engine.compiled import compiled
 
-FORCE, CALLED = 0, 1  # index_kind: the fast path, or phi and its derivatives by address
+# index_kind: the fast path, or phi and its derivatives by address (the number goes with the call)
+FORCE, VELOCITY, YOSHIKAWA, CONDITION, SMALLEST, CUSTOM = 0, 1, 2, 3, 4, 5
 
 
 @by_reference
@@ -55,7 +56,7 @@ class Problem(NamedTuple):
     Attributes:
         chain: The chain from e1 to e2.
         points: Targets, directions and weights.
-        index_kind: FORCE or CALLED.
+        index_kind: FORCE to CUSTOM.
         calls: (3,) addresses of phi, gradient and curvature (0 for FORCE).
         task_scale: (6,) square roots of the task weights.
         joint_weights: (n,) diagonal of W.

@@ -1,0 +1,78 @@
+"""The paper's indices along a direction u: force and velocity transmission (eq. 8, 9)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualarm_pin.indices.index import Array, Index
+
+
+def force(
+    task_weights: ArrayLike | None = None,
+    joint_weights: ArrayLike | None = None,
+    joint_centre: float = 0.0,
+) -> Index:
+    """Return the paper's index (8), (14): c = 1/alpha^2 = u^T A u, lower is better."""
+    return Index("force", force_phi, force_gradient, force_curvature, task_weights, joint_weights, joint_centre)
+
+
+def velocity(
+    task_weights: ArrayLike | None = None,
+    joint_weights: ArrayLike | None = None,
+    joint_centre: float = 0.0,
+) -> Index:
+    """Return 1/beta^2 = u^T A^-1 u (eq. 9), lower is better: more speed along u per joint speed.
+
+    Where task rows are weighted 0, A is inverted on the rows that are left and u counts there
+    alone. At a singular A the value is infinite.
+    """
+    return Index(
+        "velocity", velocity_phi, velocity_gradient, velocity_curvature, task_weights, joint_weights, joint_centre, "1/m^2"
+    )
+
+
+def force_phi(A: Array, u: Array) -> float:
+    """Return u^T A u."""
+    return float(np.dot(u, np.dot(A, u)))
+
+
+def force_gradient(A: Array, u: Array) -> Array:
+    """Return u u^T."""
+    return np.outer(u, u)
+
+
+def force_curvature(A: Array, u: Array, D: Array) -> Array:
+    """Return 0: the index is linear in A."""
+    return np.zeros((6, 6))
+
+
+# A row of weight 0 makes a zero row and column of A. A 1 on its diagonal cuts it off.
+
+
+def velocity_phi(A: Array, u: Array) -> float:
+    """Return u^T A^-1 u by the eigenvalues of A."""
+    left = np.where(np.diag(A) > 0.0, 1.0, 0.0)
+    lam, V = np.linalg.eigh(A + np.diag(1.0 - left))
+    if not lam[0] > 1e-14 * lam[-1]:
+        return np.inf
+    along = np.dot(V.T, u * left)
+    return float(np.sum(along * along / lam))
+
+
+def velocity_gradient(A: Array, u: Array) -> Array:
+    """Return -x x^T, x = A^-1 u."""
+    left = np.where(np.diag(A) > 0.0, 1.0, 0.0)
+    lam, V = np.linalg.eigh(A + np.diag(1.0 - left))
+    x = np.dot(V, np.dot(V.T, u * left) / np.maximum(lam, 1e-14 * lam[-1]))
+    return -np.outer(x, x)
+
+
+def velocity_curvature(A: Array, u: Array, D: Array) -> Array:
+    """Return y x^T + x y^T, y = A^-1 D x."""
+    left = np.where(np.diag(A) > 0.0, 1.0, 0.0)
+    lam, V = np.linalg.eigh(A + np.diag(1.0 - left))
+    lam = np.maximum(lam, 1e-14 * lam[-1])
+    x = np.dot(V, np.dot(V.T, u * left) / lam)
+    y = np.dot(V, np.dot(V.T, np.dot(D, x)) / lam) * left
+    return np.outer(y, x) + np.outer(x, y)
