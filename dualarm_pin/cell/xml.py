@@ -40,8 +40,13 @@ def read_bytes(file: Path) -> bytes:
     return raw
 
 
-def parse_xml(raw: bytes, file: Path) -> Any:
+def parse_xml(raw: bytes, file: Path, huge: bool = False) -> Any:
     """Return the root element.
+
+    Args:
+        raw: What the file holds.
+        file: The file in messages.
+        huge: Let text of more than 10 MB pass, as meshes have it.
 
     Raises:
         InputError: It is not XML, or it has a DTD or entities.
@@ -52,7 +57,7 @@ def parse_xml(raw: bytes, file: Path) -> Any:
         raise InputError(
             "has a DTD (<!DOCTYPE>), which may define entities; remove it", file=file, line=line
         )
-    parser = _parser(recover=False)
+    parser = _parser(False, huge)
     try:
         root = etree.fromstring(raw, parser)
     except etree.XMLSyntaxError as error:
@@ -64,7 +69,7 @@ def parse_xml(raw: bytes, file: Path) -> Any:
             if "encoding" in reason or "UTF-8" in reason:
                 reason += "; save the file as UTF-8"
             raise InputError(f"not valid XML: {reason}", file=file, line=error.lineno) from error
-        root = etree.fromstring(raw, _parser(recover=True))
+        root = etree.fromstring(raw, _parser(True, huge))
     except (ValueError, LookupError) as error:
         raise InputError(f"not valid XML: {error}", file=file) from error
     if root is None:
@@ -74,13 +79,13 @@ def parse_xml(raw: bytes, file: Path) -> Any:
     return root
 
 
-def _parser(recover: bool) -> etree.XMLParser:
+def _parser(recover: bool, huge: bool) -> etree.XMLParser:
     return etree.XMLParser(
         resolve_entities=False,
         load_dtd=False,
         dtd_validation=False,
         no_network=True,
-        huge_tree=False,
+        huge_tree=huge,
         remove_comments=True,
         remove_pis=True,
         recover=recover,
