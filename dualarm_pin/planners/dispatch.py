@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, get_args
 
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.planners.local import VARIANTS, plan_local
+from dualarm_pin.planners.peers import plan_casadi, plan_pink
 from dualarm_pin.planners.two_stage import plan_two_stage
 from dualarm_pin.planners.whole_path import Effort, plan_global
 from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.solvers.casadi_ipopt import PLUGINS
 from dualarm_pin.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -20,6 +22,8 @@ SOLVERS: dict[str, tuple[str, ...]] = {
     "global": ("engine",),
     "two-stage": ("nlopt-slsqp",),
     "local": VARIANTS,
+    "casadi": PLUGINS,
+    "pink": ("relative-frame",),
 }
 METHODS = tuple(SOLVERS)
 
@@ -39,7 +43,7 @@ def plan(
 
     Args:
         task: What is asked.
-        method: `global`, `two-stage` or `local`.
+        method: `global`, `two-stage` or `local`; `casadi` and `pink` need their extras.
         effort: `quick`, `normal` or `thorough`; for `global` alone.
         solver: One of `SOLVERS[method]`; None takes the method's default.
         starts: Number of starts; None takes the method's default.
@@ -66,6 +70,12 @@ def plan(
         )
     if method == "two-stage":
         return plan_two_stage(task, starts=starts or 100, seed=seed, jobs=jobs, progress=progress)
+    if method == "casadi":
+        return plan_casadi(
+            task, plugin=solver or "ipopt", starts=starts or 10, seed=seed, progress=progress
+        )
+    if method == "pink":
+        return plan_pink(task, starts=starts or 20, seed=seed, progress=progress)
     variant = next(v for v in VARIANTS if v == (solver or "qp"))
     return plan_local(task, variant=variant, seed=seed, starts=starts or 20, progress=progress)
 

@@ -85,7 +85,7 @@ def plan_pink(
     starts: int = 20,
     seed: int = 0,
     substeps: int = 10,
-    manipulability: float = 0.1,
+    manipulability: float = 0.01,
     progress: Progress = SILENT,
 ) -> Trajectory:
     """Follow the path with Pink: `RelativeFrameTask` and `ManipulabilityTask` of the second arm.

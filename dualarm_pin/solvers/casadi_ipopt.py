@@ -1,0 +1,211 @@
+"""CasADi with IPOPT or fatrop: the referee that solves the same whole-path problem.
+
+Values and exact derivatives come from CasADi's automatic differentiation, so nothing is shared
+with the engine but the chain of joints; the end is judged with Pinocchio like every other.
+"""
+
+from __future__ import annotations
+
+import time
+import weakref
+from typing import TYPE_CHECKING, Any, Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.engine.chain import quaternion_of
+from dualarm_pin.errors import UnknownNameError, nearest
+from dualarm_pin.solvers.casadi_model import import_casadi, index_expression, kinematics, pose_rows
+from dualarm_pin.solvers.solution import Solution
+from dualarm_pin.tolerance import TOLERANCE
+
+if TYPE_CHECKING:
+    from dualarm_pin.problem import Problem
+
+Array = NDArray[np.float64]
+Plugin = Literal["ipopt", "fatrop"]
+PLUGINS: tuple[Plugin, ...] = get_args(Plugin)
+_OPTIONS: dict[str, dict[str, Any]] = {
+    # Expanded to scalar operations: seconds to build, then four times faster an iteration.
+    "ipopt": {
+        "expand": True,
+        "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-8, "max_iter": 1000},
+    },
+    "fatrop": {
+        "expand": True,
+        "structure_detection": "manual",
+        # At 1e-8 it often stops short of its own tolerance, at the same objective to 1e-6.
+        "fatrop": {"print_level": 0, "tol": 1e-6, "max_iter": 1000},
+    },
+}
+_BUILT: weakref.WeakKeyDictionary[Problem, dict[str, Programme]] = weakref.WeakKeyDictionary()
+
+
+def solve(problem: Problem, start: Array, plugin: str = "ipopt", *, number: int = 0) -> Solution:
+    """Minimise `problem` from `start` (k, n).
+
+    The programme is built at the first call for a problem and kept as long as the problem;
+    building is not part of `wall_s`.
+
+    Raises:
+        MissingExtraError: CasADi is not installed.
+        UnknownNameError: There is no such plugin.
+        InputError: CasADi has no expression for the index.
+    """
+    return build(problem, plugin).solve(start, number=number)
+
+
+def build(problem: Problem, plugin: str = "ipopt") -> Programme:
+    """Return the programme of a problem, built once; the errors are those of `solve`."""
+    if plugin not in PLUGINS:
+        raise UnknownNameError(f"no such plugin: {nearest(plugin, PLUGINS)}", field=plugin)
+    built = _BUILT.setdefault(problem, {})
+    if plugin not in built:
+        built[plugin] = Programme(problem, plugin)
+    return built[plugin]
+
+
+class Programme:
+    """A problem as CasADi's `nlpsol` takes it.
+
+    IPOPT gets the joints x_i alone. fatrop gets the same as an optimal control problem, which is
+    the form its recursion needs: states x_i, controls s_i = x_{i+1} - x_i.
+    """
+
+    def __init__(self, problem: Problem, plugin: str) -> None:
+        ca = import_casadi()
+        begun = time.perf_counter()
+        # A strong reference would keep the problem, and with it this programme, for good.
+        self._problem = weakref.ref(problem)
+        self.plugin = plugin
+        options = {"print_time": False, "error_on_fail": False} | _OPTIONS[plugin]
+        k, n = problem.k, problem.n
+        terms = _Terms(ca, problem)
+        if plugin == "ipopt":
+            x = ca.MX.sym("x", n, k)
+            rows = [terms.rows(i, x[:, i]) for i in range(k)]
+            cost = sum(terms.point(i, x[:, i]) for i in range(k))
+            cost += sum(terms.link(i, x[:, i + 1] - x[:, i]) for i in range(k - 1))
+            nlp = {"x": ca.vec(x), "f": cost, "g": ca.vertcat(*rows)}
+            self._lower = np.tile(problem.lower, k)
+            self._upper = np.tile(problem.upper, k)
+        else:
+            nlp, options = self._stages(ca, problem, terms, options)
+        self._rows = nlp["g"].numel()
+        self._solver = ca.nlpsol("solver", plugin, nlp, options)
+        self.build_s = time.perf_counter() - begun
+
+    def _stages(
+        self, ca: Any, problem: Problem, terms: _Terms, options: dict[str, Any]
+    ) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return the problem stage by stage: x_0, s_0, x_1, s_1, ..., x_{k-1}."""
+        k, n = problem.k, problem.n
+        x = [ca.MX.sym(f"x{i}", n) for i in range(k)]
+        s = [ca.MX.sym(f"s{i}", n) for i in range(k - 1)]
+        variables, rows, lower, upper = [], [], [], []
+        cost = sum(terms.point(i, x[i]) for i in range(k))
+        cost += sum(terms.link(i, s[i]) for i in range(k - 1))
+        endless = np.full(n, np.inf)
+        for i in range(k):
+            variables.append(x[i])
+            lower.append(problem.lower)
+            upper.append(problem.upper)
+            if i < k - 1:
+                variables.append(s[i])
+                lower.append(-endless)
+                upper.append(endless)
+                rows.append(x[i + 1] - (x[i] + s[i]))
+            rows.append(terms.rows(i, x[i]))
+        shape = {
+            "N": k - 1,
+            "nx": [n] * k,
+            "nu": [n] * (k - 1) + [0],
+            "ng": [int(r) for r in problem.rows],
+        }
+        equality = [True] * sum(row.numel() for row in rows)
+        self._lower, self._upper = np.concatenate(lower), np.concatenate(upper)
+        nlp = {"x": ca.vertcat(*variables), "f": cost, "g": ca.vertcat(*rows)}
+        return nlp, options | shape | {"equality": equality}
+
+    def solve(self, start: Array, *, number: int = 0) -> Solution:
+        """Minimise from `start` (k, n)."""
+        problem = self._problem()
+        assert problem is not None  # the caller found this programme by it
+        k, n = problem.k, problem.n
+        first = np.clip(start, problem.lower, problem.upper)
+        if self.plugin == "fatrop":
+            steps = np.vstack([np.diff(first, axis=0), np.zeros((1, n))])
+            x0 = np.hstack([first, steps]).ravel()[: (2 * k - 1) * n]
+        else:
+            x0 = first.ravel()
+        begun = time.perf_counter()
+        answer = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=0)
+        wall = time.perf_counter() - begun
+        x = np.asarray(answer["x"], dtype=float).ravel()
+        if self.plugin == "fatrop":
+            x = np.append(x, np.zeros(n)).reshape(k, 2 * n)[:, :n]
+        q = np.clip(x.reshape(k, n), problem.lower, problem.upper)
+        residual = float(np.max(np.abs(problem.residual(q))))
+        stats = self._solver.stats()
+        feasible = bool(residual <= TOLERANCE.position / 10.0)
+        return Solution(
+            q=q,
+            objective=problem.objective(q),
+            residual=residual,
+            feasible=feasible,
+            converged=feasible and bool(stats["success"]),
+            message=str(stats.get("return_status", stats.get("unified_return_status", ""))),
+            start=number,
+            wall_s=wall,
+            iterations=int(stats.get("iter_count", 0)),
+        )
+
+
+class _Terms:
+    """Cost and rows of one point and one link, as CasADi functions used at every point."""
+
+    def __init__(self, ca: Any, problem: Problem) -> None:
+        self.ca, self.problem = ca, problem
+        n = problem.n
+        q, u = ca.SX.sym("q", n), ca.SX.sym("u", 6)
+        position, quaternion = ca.SX.sym("p", 3), ca.SX.sym("e", 4)
+        pose = kinematics(problem.cell, q)
+        half = np.maximum((problem.upper - problem.lower) / 2.0, 1e-12)
+        offset = (q - (problem.lower + problem.upper) / 2.0) / half
+        cost = index_expression(problem.index, pose.jacobian, u)
+        cost += problem.index.joint_centre * ca.sumsqr(offset)
+        self._cost = ca.Function("cost", [q, u], [cost])
+        self._rows = {
+            int(count): ca.Function(
+                f"rows{count}",
+                [q, position, quaternion],
+                [pose_rows(pose, position, quaternion, int(count), problem.spin_axis)],
+            )
+            for count in np.unique(problem.rows)
+        }
+        step = ca.SX.sym("s", n)
+        squared = ca.dot(ca.DM(problem.metric), step**2)
+        self._link = ca.Function("link", [step], [squared**2])
+
+    def point(self, i: int, q: Any) -> Any:
+        """Return what point i costs, its links to fixed neighbours included."""
+        problem = self.problem
+        cost = float(problem.index_weight[i]) * self._cost(q, problem.u[i])
+        if problem.linear is not None:
+            cost += self.ca.dot(self.ca.DM(problem.linear[i]), q)
+        if i == 0 and problem.before is not None:
+            cost += problem.before_weight * self._link(q - problem.before)
+        if i == problem.k - 1 and problem.after is not None:
+            cost += problem.after_weight * self._link(problem.after - q)
+        return cost
+
+    def link(self, i: int, step: Any) -> Any:
+        """Return what the link from point i to the next costs."""
+        return float(self.problem.link_weight[i]) * self._link(step)
+
+    def rows(self, i: int, q: Any) -> Any:
+        """Return the pose residual of point i."""
+        problem = self.problem
+        return self._rows[int(problem.rows[i])](
+            q, problem.position[i], quaternion_of(problem.rotation[i])
+        )
