@@ -112,7 +112,7 @@ class Task:
         cls, spec: TaskSpec, source: Source, cell: Cell, cell_record: Mapping[str, Any]
     ) -> Task:
         path = load_path(spec.path, source.path.parent)
-        direction = _direction(spec.index)
+        direction = _direction(spec.index, path)
         if direction is not None:
             path = path.with_direction(direction)
         smooth = spec.smoothness
@@ -183,11 +183,16 @@ def _increasing(points: Sequence[int]) -> bool:
     return all(a < b for a, b in itertools.pairwise(points))
 
 
-def _direction(spec: IndexSpec) -> Array | None:
-    """Return the direction u (6,) that the index asks for; None leaves that of the path."""
+def _direction(spec: IndexSpec, path: Path) -> Array | None:
+    """Return the direction that the index asks for, (6,) or (h, 6); None leaves that of the path.
+
+    They differ where a file of points brings directions of its own.
+    """
     given = getattr(getattr(spec, spec.given[0]), "direction", "path")
-    if isinstance(given, str):
+    if given == "path":
         return None
+    if given == "tangent":
+        return np.hstack([path.tangent, np.zeros((path.h, 3))])
     u = np.zeros(6)
     u[: len(given)] = given
     length = float(np.linalg.norm(u))

@@ -12,7 +12,7 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "dualarm_pin"
 FLOORS = {
     7: {"cli", "__main__"},
-    6: {"bench", "report", "viewer", "plots", "paper"},
+    6: {"bench", "report", "viewer", "plots", "paper", "inspection"},
     5: {"planners"},
     4: {"multistart", "evidence"},
     3: {"task", "problem", "solvers", "verification", "results"},
