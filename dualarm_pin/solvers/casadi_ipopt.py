@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.engine.chain import quaternion_of
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.solvers.casadi_model import import_casadi, index_expression, kinematics, pose_rows
 from dualarm_pin.solvers.solution import Solution
@@ -205,6 +204,8 @@ class _Terms:
 
     def rows(self, i: int, q: Any) -> Any:
         """Return the pose residual of point i."""
+        from dualarm_pin.engine.chain import quaternion_of
+
         problem = self.problem
         return self._rows[int(problem.rows[i])](
             q, problem.position[i], quaternion_of(problem.rotation[i])

@@ -12,7 +12,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.engine.chain import REVOLUTE, VARIABLE, chain_from_model
 from dualarm_pin.errors import InputError, MissingExtraError
 
 if TYPE_CHECKING:
@@ -56,6 +55,8 @@ class Pose(NamedTuple):
 
 def kinematics(cell: Cell, q: Expression) -> Pose:
     """Return the pose of e2 in e1 and J_r for symbolic q (n, 1)."""
+    from dualarm_pin.engine.chain import REVOLUTE, VARIABLE, chain_from_model
+
     ca = import_casadi()
     chain = chain_from_model(cell.model, cell.e1, cell.e2, cell.joint_map, cell.joint_offset)
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
