@@ -3,10 +3,13 @@
 import numpy as np
 import pinocchio as pin
 import pytest
-from browser import opened
+from browser import chromium, opened
 from ns16_pair import corner, motions, pair
 
-from dualarm_pin.viewer import Run, player_page, serving, write_player
+from dualarm_pin.cell import Cell
+from dualarm_pin.path import Path
+from dualarm_pin.relative import Relative
+from dualarm_pin.viewer import Run, player_page, serving, show, write_player
 
 pytestmark = pytest.mark.browser
 
@@ -71,7 +74,7 @@ def test_links_stay_right_in_every_layout_and_with_e1_held(view, layout):
 
 
 def test_both_robots_are_drawn_and_move(view):
-    view.do("dualarm.select(0); dualarm.layout('one'); dualarm.look('front'); dualarm.seek(0)")
+    view.do("dualarm.select(2); dualarm.layout('one'); dualarm.look('front'); dualarm.seek(0)")
     first = view.picture()
     red = (first[..., 0] > 90) & (first[..., 0] > 2 * first[..., 1])
     columns = np.flatnonzero(red.any(axis=0))
@@ -103,8 +106,6 @@ def test_every_switch_changes_the_picture(view):
 
 
 def test_ellipsoid_agrees_with_the_relative_jacobian(view):
-    from dualarm_pin.relative import Relative
-
     q = between(motions()[2][0], 0.45)
     J = Relative(pair(), q).J_r[:3]
     view.do("dualarm.select(2); dualarm.seek(0.45)")
@@ -157,6 +158,61 @@ def test_the_local_address_shows_the_same_page():
         assert view.do("dualarm.runs") == ["one"]
         assert {url.split(":")[0] for url in view.requests[1:]} <= {"data", "blob"}
         assert view.complaints == []
+
+
+SLIDER = """<robot name="slider">
+  <link name="root"><visual><geometry><box size="0.3 0.2 0.1"/></geometry></visual></link>
+  <link name="car"><visual><geometry>
+    <cylinder radius="0.1" length="0.3"/></geometry></visual></link>
+  <link name="tip"><visual><geometry><sphere radius="0.05"/></geometry></visual></link>
+  <joint name="slide" type="prismatic"><parent link="root"/><child link="car"/>
+    <origin xyz="0.1 0.2 0.3" rpy="0.4 -0.5 0.6"/><axis xyz="0.6 0 0.8"/>
+    <limit lower="-1" upper="1" velocity="1" effort="1"/></joint>
+  <joint name="turn" type="continuous"><parent link="car"/><child link="tip"/>
+    <origin xyz="0.2 0 0.1" rpy="0.1 0.2 -0.3"/><axis xyz="0 -1 0"/></joint>
+</robot>"""
+
+
+def test_prismatic_and_continuous_joints_move_as_pinocchio_says(tmp_path):
+    urdf, file = tmp_path / "slider.urdf", tmp_path / "page.html"
+    urdf.write_text(SLIDER)
+    base2 = pin.SE3(pin.rpy.rpyToMatrix(0.1, 0.2, 2.0), np.array([1.0, 0.3, 0.2]))
+    cell = Cell.from_urdf(urdf, urdf, base2=base2, tips=("tip", "tip"))
+    path = Path([[0, 0, 0], [0.1, 0, 0], [0.2, 0.1, 0]], np.eye(3))
+    q = np.random.default_rng(3).uniform(-1, 1, (3, 4))
+    write_player(file, cell, path, [Run("slide", q, np.ones(3))], title="sliders")
+    data = cell.model.createData()
+    with opened(file.as_uri()) as view:
+        for t in (0.0, 0.3, 0.5, 0.9):
+            pin.framesForwardKinematics(cell.model, data, cell.model_q(between(q, t)))
+            view.do(f"dualarm.seek({t})")
+            for name, frame in (("e1", cell.e1), ("e2", cell.e2)):
+                found = view.do(f"dualarm.linkPose('{name}').position")
+                np.testing.assert_allclose(found, data.oMf[frame].translation, atol=1e-5)
+            J = Relative(cell, between(q, t)).J_r[:3]
+            A = view.do("dualarm.player.on_stage[0].robot.manipulability()")
+            np.testing.assert_allclose(A, J @ J.T, atol=1e-5)
+        assert view.complaints == []
+
+
+def test_a_saved_notebook_cell_shows_the_robots(tmp_path):
+    shown = show(pair(), corner(), [Run("one", *motions()[0])], height=420)
+    assert "MB page" in repr(shown)
+    file = tmp_path / "saved.html"
+    file.write_text(f"<!doctype html><body>{shown._repr_html_()}</body>", encoding="utf-8")
+    page = chromium().new_page()
+    try:
+        asked, said = [], []
+        page.on("request", lambda r: asked.append(r.url))
+        page.on("pageerror", lambda e: said.append(str(e)))
+        page.goto(file.as_uri())
+        inner = page.frames[1]
+        assert inner.evaluate("dualarm.ready.then(() => dualarm.runs)") == ["one"]
+        assert inner.evaluate("innerHeight") == 420
+        assert all(url.split(":")[0] in ("file", "data", "blob", "about") for url in asked)
+        assert said == []
+    finally:
+        page.close()
 
 
 def test_dark_phone_has_the_panel_closed(file):

@@ -120,7 +120,7 @@ def test_heavy_meshes_get_coarser_but_keep_their_size():
         mesh.addTriangle(*(ball.vertices[i] for i in face))
     mesh.endModel()
     shape = triangles_of(mesh)
-    assert len(shape.faces) <= 12_000 < len(ball.faces)
+    assert len(shape.faces) <= 6_000 < len(ball.faces)
     x = shape.origin + shape.step * shape.corners
     np.testing.assert_allclose(np.linalg.norm(x, axis=1), 0.3, atol=0.005)
 

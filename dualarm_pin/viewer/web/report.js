@@ -41,7 +41,7 @@ DA.report = function (player, head) {
     charts = [];
     const run = player.run, cell = head.cells[run.cell], body = n("div", { class: "charts" });
     host.querySelector(".charts")?.remove();
-    host.querySelector(".legend").after(body);
+    card.after(body);
     add(body, { title: run.quantity || "index", unit: run.units, series: series(stored("index")), zero: true });
     add(body, { title: "clearance, all pairs of links", unit: "m", series: series(stored("clearance")), zero: true, floor: 0 });
     add(body, { title: "distance between the arms", unit: "m", series: series(stored("between_arms")), zero: true, floor: 0 });
@@ -60,6 +60,7 @@ DA.report = function (player, head) {
   };
 
   const choose = () => {
+    fill();
     for (const chart of charts) {
       chart.choose(chart.spec.series.findIndex((s) => s.run === player.active));
       chart.move(player.t);
@@ -78,7 +79,16 @@ DA.report = function (player, head) {
     many ? n("thead", {}, n("tr", {}, n("th", {}), head.runs.map((run, k) => n("th", { scope: "col", "data-column": k }, n("i", { style: `background:${DA.colour(k)}` }), run.label)))) : null,
     n("tbody", {}, section.rows.map(([name, cells]) => n("tr", {}, n("th", { scope: "row" }, name), cells.map((text, k) => n("td", { "data-column": k }, text || "–"))))))));
 
-  host.append(legend, ...head.results.filter((s) => s.rows.length).map(table));
+  // What one wants to know first, for the chosen result.
+  const rows = new Map(head.results.flatMap((s) => s.rows));
+  const first = ["found", "mean index", "largest index", "objective", "smallest clearance", "arms apart by", "largest joint step", "gap to it", "verdict"];
+  const card = n("dl", { class: "card" });
+  const fill = () => card.replaceChildren(...first.filter((name) => rows.has(name) && rows.get(name)[player.active]).map((name) => {
+    const text = rows.get(name)[player.active].split("\n")[0];
+    return n("div", { class: (text === "NO" || text.includes("COLLISION") ? "bad" : "") + (name === "verdict" ? " full" : "") }, n("dt", {}, name), n("dd", {}, text));
+  }));
+
+  host.append(legend, card, ...head.results.filter((s) => s.rows.length).map(table));
   if (head.runs.some((run) => run.task)) host.append(n("details", { class: "source" }, n("summary", {}, "The task as solved"), n("pre", { class: "task" })));
   host.append(n("footer", { class: "made" }, "Made by dualarm_pin. The 3D view is meshcat (MIT licence), which holds three.js (MIT licence)."));
   draw();

@@ -66,7 +66,7 @@ DA.Stage = class {
     const ground = (this.ground = new T.Mesh(new T.CircleGeometry(radius * 3, 64), new T.ShadowMaterial({ opacity: 0.22 })));
     ground.receiveShadow = true;
     ground.renderOrder = -2;
-    const step = Math.pow(10, Math.round(Math.log10(radius / 4))) * (radius > 1 ? 0.5 : 1);
+    const step = [0.05, 0.1, 0.25, 0.5, 1, 2.5, 5].find((s) => radius / s < 6) || 10;
     const count = 2 * Math.ceil((radius * 2) / step);
     const grid = new T.GridHelper(count * step, count, 0x808894, 0x808894);
     grid.material.transparent = true;
@@ -96,10 +96,8 @@ DA.Stage = class {
     const turned = (a, up) => front.clone().multiplyScalar(Math.cos(a)).addScaledVector(along, Math.sin(a)).setZ(up);
     const directions = { corner: turned(0.42, 0.42), front: turned(0, 0.12), side: turned(Math.PI / 2, 0.2), top: turned(0, 20), close: turned(0.5, 0.55) };
     const at = view === "close" ? point : this.centre;
-    const camera = this.viewer.camera, half = (camera.fov * Math.PI) / 360;
-    const narrow = Math.min(1, camera.aspect), near = view === "side" ? 1.35 : 1;
-    const distance = view === "close" ? this.radius * 0.8 : near * this.radius / Math.sin(Math.atan(Math.tan(half) * narrow)) / (narrow < 1 ? 1.12 : 1.42);
-    const eye = directions[view].normalize().multiplyScalar(distance).add(at);
+    const camera = this.viewer.camera, toward = directions[view].normalize();
+    const eye = toward.clone().multiplyScalar(view === "close" ? this.radius * 0.8 : this.distance(toward)).add(at);
     // meshcat's world is z up inside a y up scene.
     this.viewer.controls.target.set(at.x, at.z, -at.y);
     camera.position.set(eye.x, eye.z, -eye.y);
@@ -108,6 +106,20 @@ DA.Stage = class {
     this.viewer.controls.update();
     this.turned = false;
     this.draw();
+  }
+
+  // From how far the whole box fills the picture, seen along `toward`.
+  distance(toward) {
+    const T = MeshCat.THREE, camera = this.viewer.camera, tan = Math.tan((camera.fov * Math.PI) / 360);
+    const right = new T.Vector3(-toward.y, toward.x, 0).normalize(), up = toward.clone().cross(right);
+    const corner = new T.Vector3();
+    let far = 0;
+    for (let k = 0; k < 8; k++) {
+      corner.set(k & 1 ? this.box.max.x : this.box.min.x, k & 2 ? this.box.max.y : this.box.min.y, k & 4 ? this.box.max.z : this.box.min.z).sub(this.centre);
+      const near = corner.dot(toward), x = Math.abs(corner.dot(right)), y = Math.abs(corner.dot(up));
+      far = Math.max(far, near + y / (0.86 * tan), near + x / (0.94 * tan * camera.aspect));
+    }
+    return far;
   }
 
   fit() {
