@@ -9,7 +9,7 @@ from ns16_pair import corner, motions, pair
 from dualarm_pin.cell import Cell
 from dualarm_pin.path import Path
 from dualarm_pin.relative import Relative
-from dualarm_pin.viewer import Run, player_page, serving, show, write_player
+from dualarm_pin.viewer import Player, Run, player_page, serving, write_player
 
 pytestmark = pytest.mark.browser
 
@@ -196,8 +196,7 @@ def test_prismatic_and_continuous_joints_move_as_pinocchio_says(tmp_path):
 
 
 def test_a_saved_notebook_cell_shows_the_robots(tmp_path):
-    shown = show(pair(), corner(), [Run("one", *motions()[0])], height=420)
-    assert "MB page" in repr(shown)
+    shown = Player(pair(), corner(), [Run("one", *motions()[0])], height=420, at=0.5)
     file = tmp_path / "saved.html"
     file.write_text(f"<!doctype html><body>{shown._repr_html_()}</body>", encoding="utf-8")
     page = chromium().new_page()
@@ -208,7 +207,7 @@ def test_a_saved_notebook_cell_shows_the_robots(tmp_path):
         page.goto(file.as_uri())
         inner = page.frames[1]
         assert inner.evaluate("dualarm.ready.then(() => dualarm.runs)") == ["one"]
-        assert inner.evaluate("innerHeight") == 420
+        assert inner.evaluate("dualarm.time()") == 0.5
         assert all(url.split(":")[0] in ("file", "data", "blob", "about") for url in asked)
         assert said == []
     finally:
