@@ -5,6 +5,7 @@ the joint angles themselves. So links hold together between the path points too:
 those of Pinocchio at linearly interpolated q.
 """
 
+from dualarm_pin.viewer.inline import Player
 from dualarm_pin.viewer.live import serve, serving
 from dualarm_pin.viewer.player import player_page, write_player
 from dualarm_pin.viewer.scene import Run, Scene, build_scene
