@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -335,6 +336,52 @@ def test_xacro_is_expanded(folder: Path) -> None:
     (folder / "small.urdf.xacro").write_text(broken)
     with pytest.raises(InputError, match=r"small\.urdf\.xacro: xacro cannot expand.*rech"):
         load(folder, named)
+
+
+def test_xacro_finds_packages_by_our_own_rule(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("xacrodoc")
+    package = folder / "ws" / "parts"
+    package.mkdir(parents=True)
+    (package / "body.xacro").write_text(SOUND)
+    (folder / "arm.xacro").write_text(
+        '<robot name="a" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        '<xacro:include filename="$(find parts)/body.xacro"/></robot>'
+    )
+    named = PAIR.replace("small.urdf", "arm.xacro")
+    monkeypatch.setenv("ROS_PACKAGE_PATH", str(folder / "ws"))
+    with pytest.raises(InputError, match=r"arm\.xacro: xacro cannot.*no package 'parts'"):
+        load(folder, named)
+    assert load(folder, named + "package_dirs: [ws]\n").n == 6
+
+
+def test_without_xacrodoc_a_message_says_how_to_get_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "xacrodoc", None)
+    (folder / "arm.xacro").write_text(SOUND)
+    with pytest.raises(MissingExtraError, match=r"pip install 'dualarm-pin\[xacro\]'"):
+        load(folder, PAIR.replace("small.urdf", "arm.xacro"))
+
+
+def test_a_package_folder_that_does_not_exist_is_a_warning(folder: Path) -> None:
+    cell = load(folder, PAIR + "package_dirs: [nowhere]\n")
+    assert any("nowhere is no folder" in warning for warning in cell.warnings)
+
+
+def test_tools_and_bases_from_python(folder: Path) -> None:
+    file = folder / "small.urdf"
+    turn = pin.SE3(pin.rpy.rpyToMatrix(0.3, -0.4, 2.0), np.array([1.0, 2.0, 3.0]))
+    tool = pin.SE3(pin.rpy.rpyToMatrix(-1.0, 0.2, 0.1), np.array([0.1, 0.2, 0.3]))
+    bare = Cell.from_urdf(file, file, tips=("tip", "tip"))
+    dressed = Cell.from_urdf(
+        file, file, tips=("tip", "tip"), base1=turn, base2=turn, tools=(tool, tool)
+    )
+    q = [0.1, 0.2, 0.1, -0.3, 0.5, 0.15]
+    expected = tool.inverse() * at(bare, q) * tool
+    np.testing.assert_allclose(at(dressed, q).homogeneous, expected.homogeneous, atol=1e-14)
+    assert dressed.arms[0].base.isApprox(turn, 1e-14)
 
 
 # what is wrong: the file, the line, the field, pieces of the message

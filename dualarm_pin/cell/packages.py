@@ -73,6 +73,18 @@ def robot_data_share() -> Path | None:
     return None
 
 
+def find_package(package: str, folder: Path, package_dirs: Sequence[Path] = ()) -> Path:
+    """Return the folder of a package, found as in `find_file`.
+
+    Raises:
+        MissingFileError: It is nowhere.
+    """
+    for candidate in _package_candidates(package, "", folder, package_dirs):
+        if candidate.is_dir():
+            return _plain(candidate)
+    raise MissingFileError(f"no package {package!r}; add the folder that holds it to package_dirs")
+
+
 def _package(name: str) -> tuple[str, str]:
     """Split `package://NAME/rest`; both are empty for another name. Extra slashes are let pass."""
     for scheme in ("package://", "model://"):
@@ -105,7 +117,7 @@ def _package_candidates(
         yield extra / package / rest
         if extra.resolve().name == package:
             yield extra / rest
-    if package == "dualarm_pin":
+    if package == "dualarm_pin" and rest:
         yield urdf_folder().parent / rest
     share = robot_data_share()
     if package == ROBOTS and share is not None:

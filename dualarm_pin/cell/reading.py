@@ -32,7 +32,7 @@ class Loader:
     @property
     def package_dirs(self) -> tuple[Path, ...]:
         """Further folders to search, as the cell file gives them."""
-        return tuple(self.folder / Path(entry).expanduser() for entry in self.spec.package_dirs)
+        return tuple(self.folder / entry for entry in self.spec.package_dirs)
 
     def find(self, name: str, keys: Sequence[str]) -> Path:
         """Return the file that `name`, which stands at `keys`, means."""
@@ -79,6 +79,11 @@ def read_robots(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
         MissingFileError: A file does not exist.
         InputError: A file, a tip or a key is wrong.
     """
+    loader.warnings += [
+        f"package_dirs: {folder} is no folder"
+        for folder in loader.package_dirs
+        if not folder.is_dir()
+    ]
     return _read_each(loader) if loader.spec.urdf is None else _read_both(loader)
 
 

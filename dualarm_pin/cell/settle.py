@@ -95,7 +95,7 @@ def _leader(chains: Chains, asked: Asked, name: str, live: dict[str, Owner], out
         out.followers[name] = (leader, multiplier, offset)
     elif leader != name and name in live:
         out.warnings.append(
-            f"{live[name]}/{name} mimics {leader!r}, which is on neither chain: both are locked"
+            f"{live[name]}/{name} mimics {leader!r}, which is locked: it is locked too"
         )
 
 

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import Any
 
+from dualarm_pin.cell.packages import find_package
 from dualarm_pin.errors import InputError, MissingExtraError
 
 
@@ -30,22 +33,25 @@ def expand_xacro(
             "file with `xacro in.xacro -o out.urdf`"
         ) from error
     given = {key: _text(value) for key, value in arguments.items()}
-    parents = [folder for folder in file.resolve().parents if len(folder.parts) > 2]
-    packages = {
-        folder.name: str(folder)
-        for folder in [*parents[::-1], *(d for p in package_dirs if p.is_dir() for d in _inside(p))]
-    }
     try:
-        xacrodoc.packages.update_package_cache(packages)
-        doc = xacrodoc.XacroDoc.from_file(str(file), subargs=given, resolve_packages=False)
-        return str(doc.to_urdf_string(use_protocols=True)).encode()
+        with _packages_of(xacrodoc, file, package_dirs):
+            doc = xacrodoc.XacroDoc.from_file(str(file), subargs=given, resolve_packages=False)
+            return str(doc.to_urdf_string(use_protocols=True)).encode()
     except Exception as error:  # xacro raises its own kinds, and whatever an expression raises
         reason = str(error).strip().splitlines() or [type(error).__name__]
         raise InputError(f"xacro cannot expand this file: {reason[0]}", file=file) from error
 
 
-def _inside(folder: Path) -> list[Path]:
-    return [folder, *(child for child in sorted(folder.iterdir()) if child.is_dir())]
+@contextmanager
+def _packages_of(xacrodoc: Any, file: Path, package_dirs: Sequence[Path]) -> Iterator[None]:
+    """Let `$(find ...)` find packages by our own rule, not by the environment."""
+    substitution = xacrodoc.xacrodoc.substitution_args
+    before = substitution._eval_find
+    substitution._eval_find = lambda name: str(find_package(name, file.parent, package_dirs))
+    try:
+        yield
+    finally:
+        substitution._eval_find = before
 
 
 def _text(value: str | bool | float) -> str:

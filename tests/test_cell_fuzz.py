@@ -1,0 +1,165 @@
+"""No text, however broken, does more than raise our own error: nothing crashes, nothing hangs."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from test_bad_robots import SOUND, pair
+from test_cell_files import TORSO
+
+from dualarm_pin.cell import Cell
+from dualarm_pin.errors import DualArmError
+from dualarm_pin.relative import Relative
+
+NASTY = [
+    "nan", "inf", "-1e308", "1e-320", "0", "", "1 2 3", "9" * 400, "${x}", "\x00", "\x01", "é",
+    "&#0;", "&#10;", "&amp;", "<", ">", '"', "/", "%n", "../..", "a" * 5000, "floating", "planar",
+    "continuous", "fixed", "base", "tip", "hand", "<!--", "-->", "<![CDATA[", "]]>", "<?", "cell",
+    'xmlns="x"', "package://", "file:///dev/zero", "\n", "e1", "universe", "root_joint", "base1",
+]  # fmt: skip
+PLACE = st.integers(0, 10_000)
+EDIT = st.one_of(
+    st.tuples(st.just("cut"), PLACE, st.integers(1, 200)),
+    st.tuples(st.just("insert"), PLACE, st.sampled_from(NASTY)),
+    st.tuples(st.just("value"), PLACE, st.sampled_from(NASTY)),
+    st.tuples(st.just("line twice"), PLACE, PLACE),
+    st.tuples(st.just("line gone"), PLACE, PLACE),
+)
+
+
+def edited(text: str, edits: list[tuple]) -> str:
+    for kind, place, what in edits:
+        lines = text.split("\n")
+        at = place % (len(text) + 1)
+        if kind == "cut":
+            text = text[:at] + text[at + what :]
+        elif kind == "insert":
+            text = text[:at] + what + text[at:]
+        elif kind == "value":
+            pieces = text.split('"')
+            pieces[min(len(pieces) - 1, 2 * (place % len(pieces) // 2) + 1)] = what
+            text = '"'.join(pieces)
+        elif kind == "line twice":
+            lines.insert(what % len(lines), lines[place % len(lines)])
+            text = "\n".join(lines)
+        else:
+            del lines[place % len(lines)]
+            text = "\n".join(lines)
+    return text
+
+
+def use(cell: Cell) -> None:
+    q = (cell.lower + cell.upper) / 2
+    at = Relative(cell, q)
+    assert np.isfinite(at.J_r).all()
+    assert np.isfinite(at.dJ_r).all()
+    assert cell.model.nq == cell.model.nv
+    clearance = cell.clearance(q)
+    assert clearance is None or np.isfinite(clearance.distance)
+
+
+@settings(max_examples=150, deadline=None, derandomize=True)
+@given(st.sampled_from([SOUND, TORSO]), st.lists(EDIT, min_size=1, max_size=3))
+def test_a_mutated_robot_works_or_is_refused(text: str, edits: list[tuple]) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "small.urdf"
+        file.write_bytes(edited(text, edits).encode())
+        try:
+            twin = "twin" in text
+            use(Cell.from_urdf(file, tips=("l3", "r3")) if twin else pair(file))
+        except DualArmError as error:
+            assert str(error)
+
+
+CELL = """\
+arms:
+  arm1: {urdf: small.urdf, tip: tip, limits_deg: {elbow: [-10, 20]}}
+  arm2: {urdf: small.urdf, tip: tip, base: {xyz: [1, 0, 0], rpy_deg: [0, 0, 90]}}
+lock: {slide: 0.1}
+package_dirs: [.]
+"""
+YAML_NASTY = [*NASTY, "[", "{", "*x", "&x", "!!python/object:os.system", "- ", ": ", "? ", "|", "~"]
+
+
+@settings(max_examples=100, deadline=None, derandomize=True)
+@given(st.lists(st.tuples(PLACE, st.integers(0, 20), st.sampled_from(YAML_NASTY)), max_size=3))
+def test_a_mutated_cell_file_works_or_is_refused(edits: list[tuple[int, int, str]]) -> None:
+    text = CELL
+    for place, gone, new in edits:
+        at = place % (len(text) + 1)
+        text = text[:at] + new + text[at + gone :]
+    with tempfile.TemporaryDirectory() as folder:
+        (Path(folder) / "small.urdf").write_text(SOUND)
+        file = Path(folder) / "cell.yaml"
+        file.write_bytes(text.encode())
+        try:
+            use(Cell.load(file))
+        except DualArmError as error:
+            assert str(error)
+
+
+def deep_chain(links: int) -> str:
+    rows = ['<robot name="deep">', '<link name="l0"/>']
+    rows += [
+        f'<link name="l{k}"/><joint name="j{k}" type="fixed"><parent link="l{k - 1}"/>'
+        f'<child link="l{k}"/></joint>'
+        for k in range(1, links)
+    ]
+    rows.append(
+        '<link name="tip"/><joint name="turn" type="revolute"><axis xyz="0 0 1"/>'
+        f'<parent link="l{links - 1}"/><child link="tip"/>'
+        '<limit lower="-1" upper="1" effort="1" velocity="1"/></joint></robot>'
+    )
+    return "\n".join(rows)
+
+
+BOMB = "".join(f'<!ENTITY e{k} "{f"&e{k - 1};" * 10}">' for k in range(1, 10))
+EXTREME = {
+    "deep elements": "<robot name='a'>" + "<link>" * 100_000,
+    "a million attributes": "<robot " + " ".join(f'a{k}="1"' for k in range(300_000)) + "/>",
+    "one long name": SOUND.replace('"fore"', '"' + "f" * 1_000_000 + '"'),
+    "a long chain": deep_chain(3000),
+    "entity bomb": f'<!DOCTYPE r [<!ENTITY e0 "aaaaaaaaaa">{BOMB}]>\n<robot name="&e9;"/>',
+    "entity bomb in UTF-16": (
+        f'<?xml version="1.0" encoding="utf-16"?><!DOCTYPE r [<!ENTITY e0 "aaaaaaaaaa">{BOMB}]>'
+        '<robot name="&e9;"/>'
+    ),
+    "a hidden DTD": f'<?a <!-- ?><!DOCTYPE r [<!ENTITY e0 "aaaaaaaaaa">{BOMB}]><robot name="&e9;"/>'
+    "<!-- -->",
+    "UTF-7": '<?xml version="1.0" encoding="utf-7"?>+ADw-robot/+AD4-',
+    "a device": SOUND.replace('<sphere radius="0.05"/>', '<mesh filename="/dev/zero"/>'),
+    "a pipe path": SOUND.replace('<sphere radius="0.05"/>', '<mesh filename="|ls.stl"/>'),
+    "a name of NULs": SOUND.replace('<sphere radius="0.05"/>', '<mesh filename="&#1;.stl"/>'),
+}
+
+
+@pytest.mark.parametrize("case", EXTREME)
+def test_extreme_text_ends_in_time_with_our_own_error_or_none(case: str, tmp_path: Path) -> None:
+    file = tmp_path / "small.urdf"
+    file.write_bytes(EXTREME[case].encode("utf-16" if "UTF-16" in case else "utf-8"))
+    code = (
+        "import resource, sys\n"
+        "resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30))\n"
+        "from dualarm_pin.cell import Cell\n"
+        "from dualarm_pin.errors import DualArmError\n"
+        "try:\n"
+        "    cell = Cell.from_urdf(sys.argv[1], sys.argv[1], tips=('tip', 'tip'))\n"
+        "    cell.clearance((cell.lower + cell.upper) / 2)\n"
+        "except DualArmError as error:\n"
+        "    print(str(error)[:300])\n"
+    )
+    done = subprocess.run(
+        [sys.executable, "-c", code, str(file)],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr[-2000:]
