@@ -9,7 +9,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
@@ -27,7 +26,7 @@ if TYPE_CHECKING:
 Rows = list[tuple[str, list[str]]]
 
 _VERDICTS = {
-    "local_only": "a local minimum; others were not searched for",
+    "local_only": "a local minimum; too little was searched to say more",
     "best_known": "best known of the starts below",
     "best_known_bounded": "best known, with a lower bound that holds as far as its search went",
 }
@@ -72,7 +71,7 @@ def result_of(label: str, task: Task, trajectory: Trajectory) -> Result:
     """Return what a report shows of a solved task; what is not stored is computed here."""
     cell, q = task.cell, trajectory.q
     near = [c for row in q if (c := cell.clearance(row)) is not None]
-    known = len(near) == len(q)
+    apart = [c.distance for row in q if (c := cell.clearance(row, between_arms=True)) is not None]
     worst = min(near, key=lambda c: c.distance, default=None)
     singular = [np.linalg.svd(Relative(cell, row).J_r, compute_uv=False)[-1] for row in q]
     return Result(
@@ -81,13 +80,13 @@ def result_of(label: str, task: Task, trajectory: Trajectory) -> Result:
         path=task.path,
         q=q,
         index=trajectory.index,
-        clearance=np.array([c.distance for c in near]) if known else None,
-        between_arms=_between_arms(cell, q) if known else None,
+        clearance=_complete([c.distance for c in near], len(q)),
+        between_arms=_complete(apart, len(q)),
         nearest="" if worst is None else f"{worst.first} - {worst.second}",
         singular_value=np.array(singular),
         summary=trajectory.as_dict(),
         quantity=f"index: {task.index.name}",
-        units=task.index.units,
+        units=task.index.units.replace("^2", "²"),
         task=task.as_yaml() if task.record is not None else "",
     )
 
@@ -165,6 +164,7 @@ def _tables(results: Sequence[Result]) -> dict[str, Rows]:
         ),
         "Evidence": rows(
             ("verdict", lambda r: _VERDICTS.get(str(_evidence(r, "verdict")), "")),
+            ("in words", _sentences),
             ("starts", _laws),
             (
                 "a better optimum draws less than",
@@ -193,6 +193,12 @@ def _evidence(result: Result, key: str) -> Any:
     return evidence.get(key) if isinstance(evidence, Mapping) else None
 
 
+def _sentences(result: Result) -> str:
+    extra = result.summary.get("extra")
+    sentences = extra.get("evidence_text") if isinstance(extra, Mapping) else None
+    return " ".join(str(sentences).split()) if sentences else ""
+
+
 def _laws(result: Result) -> str:
     laws = _evidence(result, "laws")
     return "\n".join(
@@ -216,24 +222,8 @@ def _clearance(result: Result) -> str:
     )
 
 
-def _between_arms(cell: Cell, q: Array) -> Array | None:
-    """Return the smallest distance of pairs with one link on each arm, shape (h,) [m]."""
-    geometry = cell.collision
-    owners = [item.name.split("/")[0] for item in geometry.geometryObjects]
-    pairs = [
-        k
-        for k, pair in enumerate(geometry.collisionPairs)
-        if {owners[pair.first], owners[pair.second]} == {"arm1", "arm2"}
-    ]
-    if not pairs:
-        return None
-    data, scene = cell.model.createData(), geometry.createData()
-    least = []
-    for row in q:
-        pin.updateGeometryPlacements(cell.model, data, geometry, scene, cell.model_q(row))
-        found = (pin.computeDistance(geometry, scene, k).min_distance for k in pairs)
-        least.append(min(found))
-    return np.array(least)
+def _complete(values: Sequence[float], count: int) -> Array | None:
+    return np.array(values) if len(values) == count else None
 
 
 def _least(values: Array | None) -> str:

@@ -11,8 +11,11 @@ import pytest
 from ns16_pair import corner, motions, pair
 
 from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.relative import Relative
-from dualarm_pin.report import Result, _between_arms, report_page, write_report
+from dualarm_pin.report import Result, report_page, result_of, write_report
+from dualarm_pin.task import Task
+from dualarm_pin.trajectory import Trajectory
 
 SUMMARY = {
     "found": True,
@@ -86,14 +89,28 @@ def test_collision_is_said():
     assert text == "-0.01 m IN COLLISION\narm1/a - arm2/b"
 
 
-def test_distance_between_the_arms_is_at_least_the_clearance():
-    result = results()[0]
-    between = _between_arms(result.cell, result.q)
-    assert between.shape == (31,)
-    assert np.all(between >= result.clearance - 1e-12)
-    # Pull the second arm's base away in thought: the tips are 0.3 m apart, the arms cannot be.
-    tips = np.linalg.norm(Relative(result.cell, result.q[0]).T_e1_e2.translation)
-    assert between[0] <= tips
+def test_a_solved_task_brings_its_curves(tmp_path):
+    task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+    q, index = motions()[0]
+    known = {"max_position_error": 1e-9, "max_rotation_error": 1e-9, "max_bound_violation": 0.0}
+    trajectory = Trajectory(
+        q=q, joints=task.cell.joint_names, arc_length=task.path.arc_length, index=index,
+        found=True, method="global", solver="engine", objective=12.73, arc_mean_index=0.4,
+        max_joint_step=0.2, extra={"evidence_text": "Best of\n 9 starts."}, **known,
+    )  # fmt: skip
+    result = result_of("mine", task, trajectory)
+    J_r = Relative(task.cell, q[4]).J_r
+    assert result.singular_value[4] == pytest.approx(np.linalg.norm(J_r, -2))
+    assert result.clearance[4] == pytest.approx(task.cell.clearance(q[4]).distance)
+    assert np.all(result.between_arms >= result.clearance)
+    tips = np.linalg.norm(Relative(task.cell, q[4]).T_e1_e2.translation)
+    assert result.between_arms[4] <= tips  # the flanges belong to the arms
+    assert result.units == "m²"
+    assert "smoothness" in result.task
+    head = head_of(report_page([result]))
+    assert cells(head, "Evidence", "in words") == ["Best of 9 starts."]
+    assert cells(head, "Result", "smallest clearance")[0].endswith("\n" + result.nearest)
+    assert head["runs"][0]["between_arms"]["shape"] == [31]
 
 
 def test_page_is_one_small_file_and_names_are_escaped(tmp_path):

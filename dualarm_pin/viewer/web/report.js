@@ -77,15 +77,15 @@ DA.report = function (player, head) {
 
   const table = (section) => n("section", { class: "table" }, n("h2", {}, section.title), n("div", { class: "scroll" }, n("table", {},
     many ? n("thead", {}, n("tr", {}, n("th", {}), head.runs.map((run, k) => n("th", { scope: "col", "data-column": k }, n("i", { style: `background:${DA.colour(k)}` }), run.label)))) : null,
-    n("tbody", {}, section.rows.map(([name, cells]) => n("tr", {}, n("th", { scope: "row" }, name), cells.map((text, k) => n("td", { "data-column": k }, text || "–"))))))));
+    n("tbody", {}, section.rows.filter(([name]) => name !== "in words").map(([name, cells]) => n("tr", {}, n("th", { scope: "row" }, name), cells.map((text, k) => n("td", { "data-column": k }, text || "–"))))))));
 
   // What one wants to know first, for the chosen result.
   const rows = new Map(head.results.flatMap((s) => s.rows));
-  const first = ["found", "mean index", "largest index", "objective", "smallest clearance", "arms apart by", "largest joint step", "gap to it", "verdict"];
+  const first = ["found", "mean index", "largest index", "objective", "smallest clearance", "arms apart by", "largest joint step", "gap to it", "verdict", "in words"];
   const card = n("dl", { class: "card" });
   const fill = () => card.replaceChildren(...first.filter((name) => rows.has(name) && rows.get(name)[player.active]).map((name) => {
     const text = rows.get(name)[player.active].split("\n")[0];
-    return n("div", { class: (text === "NO" || text.includes("COLLISION") ? "bad" : "") + (name === "verdict" ? " full" : "") }, n("dt", {}, name), n("dd", {}, text));
+    return n("div", { class: (text === "NO" || text.includes("COLLISION") ? "bad" : "") + (["verdict", "in words"].includes(name) ? " full" : "") }, n("dt", {}, name), n("dd", {}, text));
   }));
 
   host.append(legend, card, ...head.results.filter((s) => s.rows.length).map(table));
