@@ -156,3 +156,53 @@ def test_verification_fails_what_is_off_the_path_or_out_of_bounds(
     q[0, 0] = np.nan
     with pytest.raises(ValueError, match="joints of point 1 are not finite"):
         verify(short, q)
+
+
+def test_ctrl_c_keeps_what_is_finished(short: Task, monkeypatch: pytest.MonkeyPatch) -> None:
+    from dualarm_pin.planners import two_stage as module
+
+    calls = 0
+    solve = module.nlopt_slsqp.solve
+
+    def stop_at_the_eighth(*arguments: object, **options: object) -> object:
+        nonlocal calls
+        calls += 1
+        if calls == 8:
+            raise KeyboardInterrupt
+        return solve(*arguments, **options)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(module.nlopt_slsqp, "solve", stop_at_the_eighth)
+    answer = plan_two_stage(short, starts=6, seed=1, jobs=1, basins=2, inner=2)
+    assert answer.found
+    assert answer.extra["interrupted"] is True
+
+
+def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
+    task: Task, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dualarm_pin.planners import plan_global
+    from dualarm_pin.solvers import engine
+
+    batches = 0
+    solve_many = engine.solve_many
+
+    def stop_in_the_second_batch(*arguments: object, **options: object) -> object:
+        nonlocal batches
+        batches += 1
+        ends = solve_many(*arguments, **options)  # type: ignore[arg-type]
+        return replace(ends, interrupted=True) if batches == 2 else ends
+
+    monkeypatch.setattr(engine, "solve_many", stop_in_the_second_batch)
+    answer = plan_global(task, effort="normal", seed=0)
+    assert answer.found
+    assert answer.extra["interrupted"] is True
+    assert answer.objective == pytest.approx(12.7309, abs=1e-3)
+
+
+@pytest.mark.parametrize("jobs", [1, 3])
+def test_the_whole_path_is_found_alike_for_any_number_of_threads(task: Task, jobs: int) -> None:
+    answer = plan(task, "global", effort="quick", seed=3, jobs=jobs)
+    assert answer.found
+    assert answer.objective == pytest.approx(12.730887, abs=2e-6)
+    again = plan(task, "global", effort="quick", seed=3, jobs=2)
+    np.testing.assert_array_equal(again.q, answer.q)

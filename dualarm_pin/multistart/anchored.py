@@ -75,6 +75,9 @@ class AnchoredSearch:
         Args:
             starts: Postures an anchor, those drawn before included.
             refinements: How many of the best minima are refined; None refines all.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
         self._draw(starts)
         waiting = [(anchor, self._unrefined(anchor, refinements)) for anchor in self.anchors]
@@ -90,6 +93,8 @@ class AnchoredSearch:
             begin += len(chosen)
             anchor.refined = mine if anchor.refined is None else Ends.join([anchor.refined, mine])
             anchor.seeds += chosen
+        if ends.interrupted:
+            raise KeyboardInterrupt
 
     def ends(self) -> Ends | None:
         """Return all refined paths of all anchors."""
@@ -140,6 +145,8 @@ class AnchoredSearch:
                 anchor.alone = mine if anchor.alone is None else Ends.join([anchor.alone, mine])
                 anchor.starts += len(mine)
                 anchor.minima = distinct(anchor.alone)
+        if ends.interrupted:
+            raise KeyboardInterrupt
 
     def _unrefined(self, anchor: Anchor, refinements: int | None) -> list[Array]:
         if anchor.minima is None:

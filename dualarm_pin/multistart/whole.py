@@ -27,7 +27,11 @@ class WholePathSearch:
         return 0 if self.ends is None else len(self.ends)
 
     def grow(self, starts: int) -> None:
-        """Make starts until there are `starts`, those made before included."""
+        """Make starts until there are `starts`, those made before included.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; what was finished is kept.
+        """
         fresh = starts - self.starts
         if fresh <= 0:
             return
@@ -36,3 +40,5 @@ class WholePathSearch:
         drawn = common_postures(problem.lower, problem.upper, problem.k, fresh, random)
         ends = engine.solve_many(problem, drawn, jobs=self.jobs)
         self.ends = ends if self.ends is None else Ends.join([self.ends, ends])
+        if ends.interrupted:
+            raise KeyboardInterrupt

@@ -87,6 +87,8 @@ def plan_two_stage(
         progress.stage(f"stage 1: {len(Gamma)} points, {starts} starts", starts)
         ends = _solve_all(pool, [(first, start, options) for start in drawn], progress)
         feasible = sum(end.feasible for end in ends)
+        if not feasible and pool.interrupted:
+            raise KeyboardInterrupt  # nothing is finished that could be kept
         if not feasible:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
         minima = distinct(_as_ends(ends))
@@ -102,6 +104,11 @@ def plan_two_stage(
             leader = [candidates[paths[0][0]]]
             again = _fill_all(task, leader, starts, inner, seed, options, pool, progress)
             paths = sorted([*paths, *again], key=lambda path: path[1])
+        if not paths and pool.interrupted:
+            # One basin with the likely start takes a second: better a whole path than none.
+            progress.line("stopped: filling in the best answer so far")
+            with Workers(1) as here:
+                paths = _fill_all(task, candidates[:1], 1, inner, seed, options, here, progress)
         if not paths:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
         law = LawCount(starts, feasible, len(minima), int(minima.hits[0]))

@@ -93,6 +93,8 @@ def plan_global(
     search = _Search(problem, budget, seed, jobs, progress)
     interrupted = _until_ctrl_c(search.run)
     best = search.best()
+    if best is None and interrupted:
+        raise KeyboardInterrupt  # nothing is finished that could be kept
     if best is None:
         return unreachable(task, "global", engine.NAME, seed, clock)
     local = check_minimum(problem, best, seed=seed, jobs=jobs)

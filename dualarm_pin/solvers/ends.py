@@ -25,6 +25,7 @@ class Ends:
         feasible: The residual is within tolerance and the bounds hold (s,).
         converged: The solver met its stop criterion, at a feasible point (s,).
         iterations: Iterations (s,).
+        interrupted: Ctrl-C came before every start was run; those that were not are infeasible.
     """
 
     q: Array
@@ -33,6 +34,7 @@ class Ends:
     feasible: Flags
     converged: Flags
     iterations: Labels
+    interrupted: bool = False
 
     def __len__(self) -> int:
         return len(self.objective)

@@ -112,14 +112,12 @@ def solve_many(
         options: How; None for the engine's defaults.
         points: For each start the one point of the path that it solves alone (s,).
 
-    Raises:
-        KeyboardInterrupt: Ctrl-C came before the batch was through.
+    Returns:
+        The ends; after Ctrl-C those that were finished, the rest infeasible and `interrupted` set.
     """
     from dualarm_pin.engine.solve import NOT_RUN, solve_batch
 
     batch = solve_batch(data_of(problem), starts, options, jobs, first=points)
-    if batch.interrupted:
-        raise KeyboardInterrupt
     feasible = (batch.status != NOT_RUN) & (batch.residual <= _FEASIBLE)
     return Ends(
         q=batch.q,
@@ -128,6 +126,7 @@ def solve_many(
         feasible=feasible,
         converged=feasible & (batch.status == 0),
         iterations=batch.iterations,
+        interrupted=batch.interrupted,
     )
 
 
