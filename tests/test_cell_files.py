@@ -466,6 +466,12 @@ MISTAKES: dict[str, tuple[str, int | None, str, tuple[str, ...]]] = {
         ("nothing moves",),
     ),
     "free joint of an arm": (TWIN + "free: [la]\n", 5, "free", ("not common", "'lift'")),
+    "free and locked": (
+        TWIN + "free: [lift]\nlock: {lift: 0.2}\n",
+        5,
+        "free",
+        ("'lift' is locked too",),
+    ),
     "both tips on one arm": (
         TWIN.replace("tip: r3", "tip: l1"),
         2,

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.asked import Blame, find_joints, gather
+from dualarm_pin.cell.asked import Asked, Blame, find_joints, gather
 from dualarm_pin.cell.cell import Cell, read_only
 from dualarm_pin.cell.chains import Chains
 from dualarm_pin.cell.document import TOOLS, WORLD, Placed, document, pose_of
@@ -31,7 +31,7 @@ def build(loader: Loader, name: str) -> Cell:
     spec, blame = loader.spec, loader.blame
     chains, srdfs = read_robots(loader)
     asked = gather(chains, spec, blame)
-    free = _free(chains, spec, blame)
+    free = _free(chains, asked, spec, blame)
     robots: dict[str, Placed] = {}
     for key, one in chains.items():
         base = None if key == "both" else getattr(spec.arms, key).base
@@ -76,7 +76,9 @@ def build(loader: Loader, name: str) -> Cell:
     )
 
 
-def _free(chains: Mapping[str, Chains], spec: CellSpec, blame: Blame) -> list[str]:
+def _free(
+    chains: Mapping[str, Chains], asked: Mapping[str, Asked], spec: CellSpec, blame: Blame
+) -> list[str]:
     names = []
     for name in spec.free:
         for key, joint in find_joints(chains, name, ("free",), blame):
@@ -86,6 +88,8 @@ def _free(chains: Mapping[str, Chains], spec: CellSpec, blame: Blame) -> list[st
                 raise blame(
                     f"joint {name!r} is not common to both arms; common joints: {shared}", ("free",)
                 )
+            if joint.name in asked[key].lock:
+                raise blame(f"joint {name!r} is locked too: choose one", ("free",))
             names.append(joint.name)
     return names
 

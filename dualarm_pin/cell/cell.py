@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -24,7 +24,7 @@ from dualarm_pin.errors import ShapeError
 Pair = tuple[float, float]
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, repr=False)
 class Cell:
     """Two arms that share one task, loaded and checked.
 
@@ -57,9 +57,9 @@ class Cell:
     warnings: tuple[str, ...]
     sources: tuple[SourceFile, ...]
     tool_axes: tuple[NDArray[np.float64], NDArray[np.float64]]
-    _robots: tuple[Placed, ...] = field(repr=False)
-    _disabled: Mapping[int, frozenset[frozenset[str]]] = field(repr=False)
-    _package_dirs: tuple[Path, ...] = field(repr=False)
+    _robots: tuple[Placed, ...]
+    _disabled: Mapping[int, frozenset[frozenset[str]]]
+    _package_dirs: tuple[Path, ...]
 
     @staticmethod
     def load(file: str | Path) -> Cell:
@@ -115,6 +115,9 @@ class Cell:
         return cell_from_urdf(
             urdf1, urdf2, base1, base2, tips, tools, limits, lock, free, srdf, package_dirs, name
         )
+
+    def __repr__(self) -> str:
+        return f"Cell({self.name!r}, {self.n} joints)"
 
     @property
     def n(self) -> int:
