@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from dualarm_pin.evidence.bundle import highest
 from dualarm_pin.evidence.check import polished
-from dualarm_pin.evidence.piece_search import PieceSearch, SearchOptions, Wide
+from dualarm_pin.evidence.piece_search import PieceSearch, SearchOptions, WideSearch
 from dualarm_pin.evidence.pieces import Cuts, split
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
@@ -34,7 +34,7 @@ class BoundOptions:
 
     search: SearchOptions = field(default_factory=SearchOptions)
     steps: int = 60
-    rounds: int = 4
+    rounds: int = 6
     closed: float = 1e-5
     enough: float = 1e-3
     radius: float = 0.5
@@ -90,28 +90,21 @@ class Ascent:
         self.count = 0
 
     def run(self, progress: Progress) -> Rechecked:
-        """Climb and re-check until a re-check finds nothing lower; return the best re-check."""
+        """Climb until a re-check finds no piece lower than believed; return what it found.
+
+        The re-check of the last round stands, whatever it finds.
+        """
         for piece in self.pieces:
             piece.prepare(self.theta)
-        checks: list[tuple[Array, list[Wide]]] = []
-        for number in range(self.options.rounds):
+        wides: list[WideSearch] | None = None
+        for number in range(1, self.options.rounds + 1):
             self.climb(progress)
-            believed = self.value
-            checks.append((self.theta, self.recheck(number + 1)))
-            if self.value >= believed - self._level(self.options.closed):
+            wides = self.recheck(number, to_the_end=number == self.options.rounds)
+            if wides is not None:
                 break
-        # A path found later lowers what an earlier re-check may say.
-        values = [
-            sum(
-                min(wide.value, piece.planes.lowest(theta.ravel()))
-                for piece, wide in zip(self.pieces, wides, strict=True)
-            )
-            for theta, wides in checks
-        ]
-        chosen = int(np.argmax(values))
-        wides = checks[chosen][1]
+        assert wides is not None  # the last round's
         return Rechecked(
-            value=float(values[chosen]),
+            value=self.value,
             starts=tuple(wide.starts for wide in wides),
             hits=tuple(wide.hits for wide in wides),
         )
@@ -138,11 +131,26 @@ class Ascent:
             if self.objective - self.value <= self._level(self.options.closed):
                 break
 
-    def recheck(self, number: int) -> list[Wide]:
-        """Search every piece widely at the multipliers reached, and correct the value."""
+    def recheck(self, number: int, *, to_the_end: bool) -> list[WideSearch] | None:
+        """Search every piece widely at the multipliers reached, and correct the value.
+
+        Args:
+            number: Of the re-check; each has starts of its own.
+            to_the_end: Go on when a piece turns out lower than believed.
+
+        Returns:
+            The searches; None if one found its piece lower and the rest was left.
+        """
         wides = [piece.wide(self.theta, number) for piece in self.pieces]
+        level = self._level(self.options.closed)
+        for wide in wides:  # the first starts tell most
+            wide.extend()
+        for wide in wides:
+            while not wide.done and (to_the_end or wide.value >= wide.believed - level):
+                wide.extend()
         self.value = sum(wide.value for wide in wides)
-        return wides
+        lower = any(wide.value < wide.believed - level for wide in wides)
+        return None if lower and not to_the_end else wides
 
     def _evaluate(self, theta: Array) -> float:
         self.count += 1

@@ -47,21 +47,6 @@ class SearchOptions:
     hits: int = 3
 
 
-@dataclass(frozen=True)
-class Wide:
-    """What a wide search of one piece found.
-
-    Attributes:
-        value: The piece's minimum.
-        starts: Starts, those from known paths not counted.
-        hits: How many of them ended at that value.
-    """
-
-    value: float
-    starts: int
-    hits: int
-
-
 class PieceSearch:
     """One piece, the paths known of it, and their planes."""
 
@@ -87,54 +72,35 @@ class PieceSearch:
     def prepare(self, theta: Array) -> None:
         """Fill the pool with the minima that single points lead to."""
         problem = self.piece.tilted(theta)
-        self._run(problem, theta.ravel(), self._pointwise(problem, 0))
+        self.run(problem, theta.ravel(), self.pointwise(problem, 0))
 
     def cheap(self, theta: Array, number: int) -> float:
         """Return the lowest value at theta (cuts, n) that the known paths lead to."""
         problem = self.piece.tilted(theta)
         flat = theta.ravel()
         best = np.argsort(self.pool.height(flat), kind="stable")[: self.options.pool]
-        self._run(problem, flat, self.pool.path[best], _near())
+        self.run(problem, flat, self.pool.path[best], _near())
         if self.options.cheap:
-            drawn = self._postures(problem, self.options.cheap, self._random(1, number))
-            self._run(problem, flat, drawn)
+            drawn = postures(problem, self.options.cheap, self.random(1, number))
+            self.run(problem, flat, drawn)
         return self.planes.lowest(flat)
 
-    def wide(self, theta: Array, number: int) -> Wide:
-        """Search the piece at theta anew: random postures, minima of single points, known paths."""
-        problem = self.piece.tilted(theta)
-        flat = theta.ravel()
-        self._run(problem, flat, self.pool.path, _near())
-        random = self._random(2, number)
-        starts = self._pointwise(problem, number)
-        values = np.zeros(0)
-        drawn = 0
-        while True:
-            fresh = self._postures(problem, self.options.wide, random)
-            ends = self._run(problem, flat, np.concatenate([starts, fresh]))
-            values = np.append(values, np.where(ends.feasible, ends.objective, np.inf))
-            lowest = self.planes.lowest(flat)
-            level = lowest + TOLERANCE.same_objective * max(1.0, abs(lowest))
-            hits, drawn = int(np.sum(values <= level)), drawn + len(fresh)
-            if hits >= self.options.hits or drawn >= self.options.most:
-                return Wide(lowest, len(values), hits)
-            starts = starts[:0]
+    def wide(self, theta: Array, number: int) -> WideSearch:
+        """Begin to search the piece at theta (cuts, n) anew; `number` gives it its own starts."""
+        return WideSearch(self, theta, number)
 
-    def _pointwise(self, problem: Problem, number: int) -> Array:
+    def pointwise(self, problem: Problem, number: int) -> Array:
         """Return starts (s, points, n): minima of the first, middle and last point alone."""
         found = []
         for point in sorted({0, problem.k // 2, problem.k - 1}):
             alone = problem.subset([point], 0.0)
-            random = self._random(3, number, point)
-            postures = common_postures(alone.lower, alone.upper, 1, self.options.postures, random)
-            minima = distinct(engine.solve_many(alone, postures, jobs=self.jobs))
+            random = self.random(3, number, point)
+            drawn = postures(alone, self.options.postures, random)
+            minima = distinct(engine.solve_many(alone, drawn, jobs=self.jobs))
             found.append(minima.ends.q[: self.options.refined])
         return np.repeat(np.concatenate(found), problem.k, axis=1)
 
-    def _postures(self, problem: Problem, count: int, random: np.random.Generator) -> Array:
-        return common_postures(problem.lower, problem.upper, problem.k, count, random)
-
-    def _run(
+    def run(
         self, problem: Problem, theta: Array, starts: Array, options: Options | None = None
     ) -> Ends:
         """Solve from all starts and keep what they came to."""
@@ -152,7 +118,7 @@ class PieceSearch:
         return Planes(np.array([self.piece.problem.objective(q)]), self._slope(q[None]), q[None])
 
     def _slope(self, q: Array) -> Array:
-        return self.piece.slopes(q, self.cuts).reshape(len(q), -1)
+        return self.piece.slopes(q, self.cuts).reshape(len(q), self.cuts * self.piece.problem.n)
 
     def _merge(self, planes: Planes, theta: Array) -> None:
         """Put paths into the pool, lowest at theta first, one of each basin."""
@@ -167,8 +133,65 @@ class PieceSearch:
                 kept.append(int(at))
         self.pool = self.pool.take(kept[: 3 * self.options.pool])
 
-    def _random(self, *keys: int) -> np.random.Generator:
+    def random(self, *keys: int) -> np.random.Generator:
+        """Return the generator of one of this piece's stages."""
         return generator(self.seed[0], 40, *self.seed[1:], *keys)
+
+
+class WideSearch:
+    """A search of one piece at one theta from starts that owe nothing to the cheap searches.
+
+    Attributes:
+        believed: The lowest value that the known paths lead to.
+        drawn: Random starts so far.
+    """
+
+    def __init__(self, search: PieceSearch, theta: Array, number: int) -> None:
+        self.search, self.options = search, search.options
+        self.problem, self.theta = search.piece.tilted(theta), theta.ravel()
+        self.random = search.random(2, number)
+        search.run(self.problem, self.theta, search.pool.path, _near())
+        self.believed = search.planes.lowest(self.theta)
+        self.drawn = 0
+        self._waiting = search.pointwise(self.problem, number)
+        self._values = np.zeros(0)
+
+    @property
+    def value(self) -> float:
+        """The piece's minimum, as far as it is known."""
+        return self.search.planes.lowest(self.theta)
+
+    @property
+    def starts(self) -> int:
+        """Starts so far, those from known paths not counted."""
+        return len(self._values)
+
+    @property
+    def hits(self) -> int:
+        """How many of them ended at the piece's minimum."""
+        level = TOLERANCE.same_objective * max(1.0, abs(self.value))
+        return int(np.sum(self._values <= self.value + level))
+
+    @property
+    def done(self) -> bool:
+        """Whether there were enough starts and hits, or too many starts."""
+        options = self.options
+        enough = self.drawn >= options.wide and self.hits >= options.hits
+        return enough or self.drawn >= options.most
+
+    def extend(self) -> None:
+        """Make a quarter of the starts; the first time also those from points alone."""
+        fresh = postures(self.problem, max(1, self.options.wide // 4), self.random)
+        starts = np.concatenate([self._waiting, fresh])
+        ends = self.search.run(self.problem, self.theta, starts)
+        self._values = np.append(self._values, np.where(ends.feasible, ends.objective, np.inf))
+        self.drawn += len(fresh)
+        self._waiting = self._waiting[:0]
+
+
+def postures(problem: Problem, count: int, random: np.random.Generator) -> Array:
+    """Draw starts (count, points, n), one posture each."""
+    return common_postures(problem.lower, problem.upper, problem.k, count, random)
 
 
 def _near() -> Options:

@@ -8,6 +8,7 @@ is. So for any theta the sum of the pieces' own minima is at most the objective 
 from __future__ import annotations
 
 import itertools
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,7 +21,7 @@ Cuts = tuple[int, ...]
 
 _UNCUT = 3  # paths of no more points are left whole
 _MOST_PIECES = 12
-_SIZES = (11, 6)
+_SIZE = 11
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,25 +90,27 @@ def split(problem: Problem, cuts: Cuts) -> list[Piece]:
 
 
 def cut_sets(problem: Problem) -> list[Cuts]:
-    """Return the sets of cuts to try, best first: pieces of about 11 points, then of about 6.
+    """Return the sets of cuts to try: pieces of about 11 points, then half and a quarter as many.
 
-    A short path is tried whole last; one of three points or fewer is not cut at all.
+    Larger pieces give a higher bound where neighbours are strongly linked, but a search misses
+    their minima more easily. A short path is tried whole last; one of three points or fewer is
+    not cut at all.
     """
     k = problem.k
     if k <= _UNCUT:
         return [()]
-    found: list[Cuts] = []
-    for size in _SIZES:
-        pieces = min(max(2, round((k - 1) / (size - 1))), _MOST_PIECES)
-        found.append(_place(_sharp(problem), pieces))
-    if k <= _SIZES[0]:
+    sharp = _sharp(problem)
+    pieces = min(max(2, round((k - 1) / (_SIZE - 1))), _MOST_PIECES)
+    found = [_place(sharp, number) for number in (pieces, pieces / 2.0, pieces / 4.0)]
+    if k <= _SIZE:
         found.append(())
     return list(dict.fromkeys(found))
 
 
-def _place(sharp: NDArray[np.bool_], pieces: int) -> Cuts:
+def _place(sharp: NDArray[np.bool_], wanted_pieces: float) -> Cuts:
     """Return evenly spread cuts, moved by up to half a piece, or dropped, to miss sharp points."""
     last = len(sharp) - 1
+    pieces = max(2, math.ceil(wanted_pieces))
     length = last / pieces
     cuts: list[int] = []
     for number in range(1, pieces):
