@@ -1,0 +1,144 @@
+"""Starts, workers and both start laws: reproducible, complete, counted honestly."""
+
+from __future__ import annotations
+
+import os
+import time
+
+import numpy as np
+import pytest
+
+from dualarm_pin.evidence.laws import count_laws
+from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.multistart.anchored import AnchoredSearch, anchor_points
+from dualarm_pin.multistart.starts import common_postures, generator, independent_postures
+from dualarm_pin.multistart.whole import WholePathSearch
+from dualarm_pin.multistart.workers import Workers
+from dualarm_pin.problem import Problem
+from dualarm_pin.solvers.ends import same_path
+from dualarm_pin.task import Task
+
+
+@pytest.fixture(scope="module")
+def problem() -> Problem:
+    whole = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
+    return whole.subset(range(0, 31, 5), 3.0)
+
+
+def test_starts_lie_within_bounds_and_depend_on_the_seed_alone() -> None:
+    lower, upper = np.array([-1.0, 2.0]), np.array([1.0, 3.0])
+    common = common_postures(lower, upper, 5, 50, generator(3, 1))
+    assert common.shape == (50, 5, 2)
+    assert np.ptp(common, axis=1).max() == 0.0
+    assert np.all((common >= lower) & (common <= upper))
+    np.testing.assert_array_equal(common, common_postures(lower, upper, 5, 50, generator(3, 1)))
+    assert not np.array_equal(common, common_postures(lower, upper, 5, 50, generator(3, 2)))
+    assert not np.array_equal(common, common_postures(lower, upper, 5, 50, generator(4, 1)))
+    independent = independent_postures(lower, upper, 5, 50, generator(3, 1))
+    assert np.ptp(independent, axis=1).min() > 0.0
+
+
+@pytest.mark.parametrize(
+    ("k", "points"), [(31, (0, 15, 30)), (2, (0, 1)), (1, (0,)), (3, (0, 1, 2))]
+)
+def test_anchors_are_first_middle_and_last(k: int, points: tuple[int, ...]) -> None:
+    assert anchor_points(k) == points
+
+
+def test_the_anchored_law_counts_every_posture_once(problem: Problem) -> None:
+    search = AnchoredSearch(problem, seed=0)
+    search.grow(40, 2)
+    assert not search.complete()
+    drawn = search.starts_by_path()
+    assert drawn is not None
+    starts, ends, weight = drawn
+    assert starts == 3 * 40
+    assert len(ends) == len(weight) == 6
+    assert 0 < weight.sum() < starts
+    search.grow(40, None)
+    assert search.complete()
+    drawn = search.starts_by_path()
+    assert drawn is not None
+    alone = sum(int(a.alone.converged.sum()) for a in search.anchors if a.alone is not None)
+    assert drawn[2].sum() == alone  # every posture that reached its anchor leads somewhere
+
+
+def test_growing_keeps_what_was_found_and_refines_nothing_twice(problem: Problem) -> None:
+    search = AnchoredSearch(problem, seed=1)
+    search.grow(20, 3)
+    first = search.ends()
+    search.grow(60, 5)
+    second = search.ends()
+    assert first is not None
+    assert second is not None
+    for q in first.q:
+        assert any(np.array_equal(q, other) for other in second.q)
+    for anchor in search.anchors:
+        for i, a in enumerate(anchor.seeds):
+            assert not any(same_path(a, b) for b in anchor.seeds[:i])
+
+
+def test_both_laws_are_counted_against_the_best(problem: Problem) -> None:
+    anchored, whole = AnchoredSearch(problem, seed=0), WholePathSearch(problem, seed=0)
+    anchored.grow(60, None)
+    whole.grow(80)
+    assert whole.ends is not None
+    ends = anchored.ends()
+    assert ends is not None
+    best = ends.q[int(np.argmin(np.where(ends.converged, ends.objective, np.inf)))]
+    laws = count_laws(anchored, whole, best)
+    assert laws["whole path"].starts == 80
+    assert laws["whole path"].converged == int(whole.ends.converged.sum())
+    assert laws["anchored"].best_hits >= 1
+    by_hand = sum(same_path(q, best) for q in whole.ends.q[whole.ends.converged])
+    assert laws["whole path"].best_hits == by_hand
+    nowhere = count_laws(anchored, whole, best + 1.0)
+    assert all(law.best_hits == 0 for law in nowhere.values())
+
+
+def slow_square(x: int) -> int:
+    time.sleep(0.02 * (5 - x))
+    return x * x
+
+
+def process_number(_: int) -> int:
+    return os.getpid()
+
+
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_results_come_in_the_order_of_the_calls(jobs: int) -> None:
+    ended: list[int] = []
+    with Workers(jobs) as workers:
+        results = workers.run(slow_square, [(i,) for i in range(5)], ended.append)
+    assert results == [0, 1, 4, 9, 16]
+    assert sum(ended) == 5
+
+
+def test_work_leaves_this_process_unless_it_cannot_be_sent() -> None:
+    here = os.getpid()
+    with Workers(2) as workers:
+        assert here not in workers.run(process_number, [(0,), (1,)])
+        local = workers.run(lambda i: os.getpid(), [(0,), (1,)])
+    assert local == [here, here]
+
+
+def fail(x: int) -> int:
+    raise ValueError(f"bad {x}")
+
+
+def test_an_error_in_a_worker_reaches_the_caller() -> None:
+    with Workers(2) as workers, pytest.raises(ValueError, match="bad"):
+        workers.run(fail, [(0,), (1,)])
+
+
+def interrupt(x: int) -> int:
+    if x == 2:
+        raise KeyboardInterrupt
+    return x
+
+
+def test_ctrl_c_keeps_what_ended_and_stops_the_rest() -> None:
+    with Workers(1) as workers:
+        assert workers.run(interrupt, [(i,) for i in range(4)]) == [0, 1, None, None]
+        assert workers.interrupted
+        assert workers.run(interrupt, [(0,)]) == [None]
