@@ -283,6 +283,21 @@ REFUSED: dict[str, tuple[str | bytes, tuple[str, ...], str | None]] = {
 }
 
 
+def test_a_tree_too_deep_for_pinocchio_is_refused(tmp_path: Path) -> None:
+    joints = [
+        f'<link name="n{k}"/><joint name="m{k}" type="fixed"><parent link="n{k - 1}"/>'
+        f'<child link="n{k}"/></joint>'
+        for k in range(1, 502)
+    ]
+    text = SOUND.replace("</robot>", '<link name="n0"/>' + "".join(joints[::-1]) + "</robot>")
+    hung = text.replace("</robot>", JOIN + "</robot>")
+    with pytest.raises(InputError, match=r"joint 'm496': more than 500 joints"):
+        pair(write(tmp_path, hung))
+
+
+JOIN = '<joint name="j" type="fixed"><parent link="tip"/><child link="n0"/></joint>'
+
+
 def write(folder: Path, text: str | bytes) -> Path:
     file = folder / "small.urdf"
     file.write_bytes(text.encode() if isinstance(text, str) else text)

@@ -297,6 +297,45 @@ def test_an_srdf_removes_pairs_and_names_tips(folder: Path) -> None:
     assert by_joints.arms[0].tip == "hand"
 
 
+BAD_SRDF = {
+    "not XML": ("robot\n", "small.srdf:1: not valid XML"),
+    "another format": ("<a/>", "small.srdf:1: this is not an SRDF"),
+    "a link missing": (
+        '<robot><disable_collisions link1="upper"/></robot>',
+        "'link2' of <disable_collisions> is missing",
+    ),
+    "of another robot": (
+        '<robot><disable_collisions link1="a" link2="b"/></robot>',
+        "none of its 1 pairs exists in small.urdf",
+    ),
+    "a DTD": ("<!DOCTYPE a><robot/>", "DTD"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_SRDF)
+def test_a_bad_srdf_is_refused(case: str, folder: Path) -> None:
+    text, reason = BAD_SRDF[case]
+    (folder / "small.srdf").write_text(text)
+    with pytest.raises(InputError) as caught:
+        load(folder, PAIR.replace("tip: tip}", "tip: tip, srdf: small.srdf}"))
+    assert reason in str(caught.value)
+    assert caught.value.file == folder / "small.srdf"
+
+
+def test_an_unknown_group_names_the_nearest(folder: Path) -> None:
+    (folder / "small.srdf").write_text(SRDF)
+    with pytest.raises(UnknownNameError, match=r"no group 'arn'.*did you mean 'arm'"):
+        load(folder, PAIR.replace("tip: tip}", "group: arn, srdf: small.srdf}"))
+
+
+def test_one_srdf_serves_the_same_urdf_twice(folder: Path) -> None:
+    (folder / "small.srdf").write_text(SRDF)
+    file, srdf = folder / "small.urdf", folder / "small.srdf"
+    bare = Cell.from_urdf(file, file, tips=("tip", "tip"))
+    cell = Cell.from_urdf(file, file, tips=("tip", "tip"), srdf=srdf)
+    assert len(bare.collision.collisionPairs) - len(cell.collision.collisionPairs) == 2
+
+
 def test_adjacent_links_and_links_fixed_to_each_other_are_not_checked(folder: Path) -> None:
     cell = load(folder, PAIR)
     names = [item.name for item in cell.collision.geometryObjects]

@@ -125,7 +125,8 @@ EXTREME = {
     "deep elements": "<robot name='a'>" + "<link>" * 100_000,
     "a million attributes": "<robot " + " ".join(f'a{k}="1"' for k in range(300_000)) + "/>",
     "one long name": SOUND.replace('"fore"', '"' + "f" * 1_000_000 + '"'),
-    "a long chain": deep_chain(3000),
+    "a long chain": deep_chain(499),
+    "a chain that overflows the stack": deep_chain(20_000),
     "entity bomb": f'<!DOCTYPE r [<!ENTITY e0 "aaaaaaaaaa">{BOMB}]>\n<robot name="&e9;"/>',
     "entity bomb in UTF-16": (
         f'<?xml version="1.0" encoding="utf-16"?><!DOCTYPE r [<!ENTITY e0 "aaaaaaaaaa">{BOMB}]>'

@@ -102,7 +102,7 @@ class Cell:
             limits: Bounds [rad or m] by joint, `joint` for both arms or `arm1/joint`.
             lock: Values [rad or m] at which joints stand still.
             free: Common joints that may move.
-            srdf: SRDF of `urdf1`, or one for each URDF.
+            srdf: SRDF of `urdf1` (and of `urdf2` if that is the same file), or one for each.
             package_dirs: Further folders to search for packages and meshes.
             name: Name of the cell.
 

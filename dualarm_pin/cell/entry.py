@@ -90,7 +90,8 @@ def cell_from_urdf(
         "free": list(free),
         "package_dirs": [str(entry) for entry in package_dirs],
     }
-    srdfs = srdf if isinstance(srdf, tuple) else (srdf, None)
+    twice = urdf2 is not None and str(urdf1) == str(urdf2)
+    srdfs = srdf if isinstance(srdf, tuple) else (srdf, srdf if twice else None)
     if urdf2 is None:
         whole["urdf"] = str(urdf1)
         whole["srdf"] = None if srdfs[0] is None else str(srdfs[0])

@@ -8,6 +8,8 @@ from pathlib import Path
 from dualarm_pin.cell.urdf import Link, UrdfJoint
 from dualarm_pin.errors import InputError
 
+_DEEPEST = 500  # Pinocchio descends by recursion, and a far deeper tree overflows its stack
+
 
 def check_tree(links: Mapping[str, Link], joints: Mapping[str, UrdfJoint], file: Path) -> str:
     """Return the root link.
@@ -26,9 +28,9 @@ def check_tree(links: Mapping[str, Link], joints: Mapping[str, UrdfJoint], file:
                 f"(line {other.line}): a loop; a URDF is a tree",
             )
         above[joint.child] = joint
-    sound: set[str] = set()  # links known to hang from a root
+    depth: dict[str, int] = {}  # of links known to hang from a root
     for joint in joints.values():
-        _climb(file, joint, above, sound)
+        _climb(file, joint, above, depth)
     roots = [name for name in links if name not in above]
     if len(roots) > 1:
         first, second = links[roots[0]], links[roots[1]]
@@ -44,18 +46,23 @@ def check_tree(links: Mapping[str, Link], joints: Mapping[str, UrdfJoint], file:
     return roots[0]
 
 
-def _climb(file: Path, start: UrdfJoint, above: Mapping[str, UrdfJoint], sound: set[str]) -> None:
+def _climb(
+    file: Path, start: UrdfJoint, above: Mapping[str, UrdfJoint], depth: dict[str, int]
+) -> None:
     passed = [start.child]
     link = start.parent
-    while link not in sound and link in above:
-        if link in passed[:1]:
+    while link not in depth and link in above:
+        if link == start.child:
             path = "its own child" if start.parent == start.child else "below its own child"
             raise _at(file, start, f"its parent link {start.parent!r} is {path}: a loop")
         if len(passed) > len(above):  # runs into a loop that another joint will report
             return
         passed.append(link)
         link = above[link].parent
-    sound.update(passed)
+    for steps, each in enumerate(reversed(passed), start=depth.get(link, 0) + 1):
+        if steps > _DEEPEST:
+            raise _at(file, above[each], f"more than {_DEEPEST} joints lie between it and the root")
+        depth[each] = steps
 
 
 def _check_mimics(joints: Mapping[str, UrdfJoint], file: Path) -> None:
