@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -130,7 +131,7 @@ def _run(
             progress.advance(len(rows))
 
 
-def _relabelled(log: RowLog, runs: dict[str, Run], keys: list[str]):  # type: ignore[no-untyped-def]
+def _relabelled(log: RowLog, runs: dict[str, Run], keys: list[str]) -> Iterator[Row]:
     """Read rows, each with the names that the suite gives its task and method today."""
     for row in log.rows(keys):
         run = runs[row["key"]]

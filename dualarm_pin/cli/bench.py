@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 import time
 from pathlib import Path
@@ -34,6 +35,7 @@ def bench(
         resume: Continue the folder: runs that have a row are not repeated.
     """
     from dualarm_pin.bench.batch import run_suite
+    from dualarm_pin.bench.report import write_report
     from dualarm_pin.bench.suite import Suite
     from dualarm_pin.errors import InputError
 
@@ -46,6 +48,8 @@ def bench(
         batch = run_suite(
             asked, folder, jobs=jobs, address=cluster, resume=resume, progress=progress
         )
+        progress.stage("writing the report")
+        write_report(asked, batch, command(suite, folder, jobs, cluster))
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.most_common())
     print(f"{len(batch.rows)} runs: {counts}")
     for gate, failure in batch.gates:
@@ -53,8 +57,16 @@ def bench(
         print(f"gate {'FAILED' if failure else 'holds'}: {gate.text}{about}")
         if failure is not None:
             print(f"dualarm-pin: gate {gate.text!r}: {failure}", file=sys.stderr)
-    print(f"written to {folder}")
+    print(f"written to {folder}: results.csv, results.parquet, report.html")
     return DONE if batch.passed else GATE_FAILED
+
+
+def command(suite: Path, folder: Path, jobs: int | None, cluster: str | None) -> str:
+    """Return the exact command that makes a batch again; into a new folder, or with --resume."""
+    words = ["dualarm-pin", "bench", str(suite), "--out", str(folder)]
+    words += ["--jobs", str(jobs)] if jobs is not None else []
+    words += ["--cluster", cluster] if cluster is not None else []
+    return shlex.join(words)
 
 
 class BatchProgress(TerminalProgress):

@@ -78,7 +78,7 @@ def solve(
         reason, converged = _REASONS.get(code, f"NLopt code {code}"), code in (1, 2, 3, 4)
     except nlopt.RoundoffLimited:
         reason, converged = "limited by round-off", True
-    except (nlopt.ForcedStop, RuntimeError, ValueError) as error:
+    except (nlopt.ForcedStop, nlopt.runtime_error, RuntimeError, ValueError) as error:
         if evaluation.interrupted is not None:
             raise evaluation.interrupted from None
         reason, converged = f"NLopt failed: {error}", False

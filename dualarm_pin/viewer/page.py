@@ -20,6 +20,7 @@ def render_page(
     data: bytes,
     *,
     body: str = "player.html",
+    content: str | None = None,
     scripts: Sequence[str] = (),
     styles: Sequence[str] = (),
 ) -> bytes:
@@ -29,6 +30,7 @@ def render_page(
         title: Title of the page, any text.
         data: What `Scene.pack` returned.
         body: Template of the page's body in `web/`.
+        content: The body itself instead; an element with the id `player` holds the animation.
         scripts: Further scripts in `web/`, run after the player's.
         styles: Further style sheets in `web/`.
 
@@ -38,7 +40,7 @@ def render_page(
     parts = {
         "title": html.escape(title),
         "style": "\n".join(_read(name) for name in ("player.css", *styles)),
-        "body": _read(body),
+        "body": _read(body) if content is None else content,
         "viewer": _viewer(),
         "script": "\n".join(_read(name) for name in (*_PLAYER, *scripts, "start.js")),
         "data": squeeze(data),
@@ -51,6 +53,19 @@ def render_page(
         name, rest = piece.split("}}", 1)
         filled += [parts[name], rest]
     return "".join(filled).encode("utf-8")
+
+
+def render_text_page(title: str, content: str, *, styles: Sequence[str] = ()) -> bytes:
+    """Return a page without an animation: a title, a body and style sheets of `web/`."""
+    style = "\n".join(_read(name) for name in ("player.css", *styles))
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta http-equiv="Content-Security-Policy" '
+        "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
+        f'<link rel="icon" href="data:,"><title>{html.escape(title)}</title>'
+        f"<style>{style}</style></head><body>{content}</body></html>"
+    ).encode()
 
 
 @cache
