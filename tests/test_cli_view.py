@@ -1,0 +1,99 @@
+"""`dualarm-pin view` as a user meets it."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import urllib.request
+
+import numpy as np
+import pytest
+from ns16_pair import motions
+
+from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.results import save_result
+from dualarm_pin.task import Task
+from dualarm_pin.trajectory import Trajectory
+
+
+@pytest.fixture(scope="module")
+def folders(tmp_path_factory):
+    """Three result folders, two of them of the same name, as `solve` writes them."""
+    top = tmp_path_factory.mktemp("results")
+    task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+    made = [top / "monday" / "corner", top / "tuesday" / "corner", top / "other"]
+    for folder, (q, index) in zip(made, motions(), strict=True):
+        trajectory = Trajectory(
+            q=q, joints=task.cell.joint_names, arc_length=task.path.arc_length, index=index,
+            found=True, method="global", solver="engine", objective=12.73, arc_mean_index=0.4,
+            max_position_error=1e-9, max_rotation_error=1e-9, max_bound_violation=0.0,
+            max_joint_step=float(np.abs(np.diff(q, axis=0)).max()),
+        )  # fmt: skip
+        save_result(folder, task, trajectory)
+    return made
+
+
+def run(*arguments):
+    return subprocess.run(
+        [sys.executable, "-m", "dualarm_pin", "view", *map(str, arguments)],
+        capture_output=True, text=True, timeout=120, check=False,
+    )  # fmt: skip
+
+
+def test_one_file_with_three_results(folders, tmp_path):
+    file = tmp_path / "deep" / "report.html"
+    done = run(*folders, "--html", file)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout == f"written to {file}\n"
+    text = file.read_text("utf-8")
+    assert len(text) < 8_000_000
+    assert "<title>ns16_pair: 3 results</title>" in text
+
+
+def test_results_of_one_name_are_told_apart(folders):
+    from dualarm_pin.cli.view import _labels
+
+    assert _labels(tuple(folders)) == ["monday/corner", "tuesday/corner", "other"]
+
+
+def test_live_page_is_there_until_the_signal(folders):
+    program = subprocess.Popen(
+        [sys.executable, "-m", "dualarm_pin", "view", str(folders[0]), "--no-browser"],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, start_new_session=True,
+    )  # fmt: skip
+    try:
+        address = re.match(r"(http://127\.0\.0\.1:\d+/) \(Ctrl-C ends it\)", _line(program))[1]
+        opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
+        with opener.open(address, timeout=30) as answer:
+            assert b"<title>ns16_pair: " in answer.read()
+        program.send_signal(signal.SIGTERM)
+        _, complaints = program.communicate(timeout=60)
+        assert (program.returncode, complaints) == (0, "")
+        with pytest.raises(ProcessLookupError):
+            os.killpg(program.pid, 0)
+    finally:
+        if program.poll() is None:
+            program.kill()
+
+
+def _line(program):
+    line = program.stdout.readline()
+    assert line, program.stderr.read()
+    return line
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["nowhere"], "nowhere/result.json: no result here: give the folder that `solve --out`"),
+        ([], "RESULT"),
+        (["{0}", "--port", "70000", "--no-browser"], "--port: port 70000 cannot be used"),
+        (["{0}", "--html", "{0}/result.json/x.html"], "x.html: cannot write here"),
+    ],
+)
+def test_wrong_input_is_one_message(folders, arguments, message):
+    done = run(*(text.format(*folders) for text in arguments))
+    assert done.returncode == 2
+    assert message in done.stderr
+    assert "Traceback" not in done.stderr
