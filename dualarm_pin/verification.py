@@ -113,10 +113,20 @@ def verify(
 
 
 def distances(task: Task, q: Array, *, between_arms: bool = False) -> Array | None:
-    """Return the smallest distance at every point (h,) [m], or None where it is not known."""
-    found = [task.cell.clearance(q_i, between_arms=between_arms) for q_i in q]
-    known = [clearance.distance for clearance in found if clearance is not None]
-    return np.array(known) if len(known) == len(found) else None
+    """Return the smallest distance at every point (h,) [m], or None where it is not known.
+
+    Convex hulls are compared first; they never say more than there is. Where they touch, the
+    meshes themselves decide.
+    """
+    least = []
+    for q_i in q:
+        clearance = task.cell.clearance(q_i, between_arms=between_arms)
+        if clearance is not None and clearance.distance <= 0.0:
+            clearance = task.cell.clearance(q_i, between_arms=between_arms, exact=True)
+        if clearance is None:
+            return None
+        least.append(clearance.distance)
+    return np.array(least)
 
 
 def rotation_distance(wanted: Array, given: Array, rows: int, spin_axis: Array) -> float:
