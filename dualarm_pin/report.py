@@ -210,7 +210,7 @@ def _laws(result: Result) -> str:
 
 def _clearance(result: Result) -> str:
     if result.clearance is None:
-        return "unknown (geometry is missing)"
+        return "unknown"
     least = float(np.min(result.clearance))
     return "\n".join(
         text

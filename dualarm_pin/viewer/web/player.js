@@ -63,16 +63,22 @@ DA.Player = class {
     return n("header", { class: "heading" }, n("h1", {}, this.options.title || document.title), this.readout);
   }
 
+  // All runs if they are few, else those on the stage: forty curves cannot be told apart anyway.
   buildStrip() {
-    const { head } = this, shown = head.runs.slice(0, 40);
-    const h = head.array(this.run.index).length;
-    this.chart = new DA.Chart(this.strip, {
-      title: "Index along the path", bare: true, zero: true, x: { values: Array.from({ length: h }, (_, i) => i) },
-      series: shown.map((run, k) => ({ name: run.label, values: Array.from(head.array(run.index)), colour: DA.colour(k), dash: "" })),
-    }, (t) => { this.pause(); this.seek(t); });
+    const { head } = this, few = head.runs.length <= 8;
+    const draw = () => {
+      const shown = few ? head.runs.map((_, k) => k) : this.shown;
+      const h = head.array(this.run.index).length;
+      this.chart.spec = {
+        title: "Index along the path", bare: true, zero: true, x: { values: Array.from({ length: h }, (_, i) => i) },
+        series: shown.map((k) => ({ name: head.runs[k].label, values: Array.from(head.array(head.runs[k].index)), colour: DA.colour(k), dash: "" })),
+      };
+      this.chart.choose(shown.indexOf(this.active));
+    };
+    this.shown = [0];
+    this.chart = new DA.Chart(this.strip, { title: "", bare: true, x: { values: [0, 1] }, series: [] }, (t) => { this.pause(); this.seek(t); });
     this.on("time", () => this.chart.move(this.t));
-    this.on("run", () => this.chart.choose(this.active));
-    this.chart.choose(0);
+    this.on("shown", draw);
   }
 
   buildPanel() {
@@ -263,7 +269,9 @@ DA.Player = class {
     this.seek(t >= 1 ? 1 : t);
     if (t >= 1) this.pause();
     this.slow = 0.9 * (this.slow ?? 30) + 0.1 * passed;
-    if (this.slow > 70) this.stage.thrifty = true; // a weak machine keeps its frame rate
+    // A weak machine keeps its frame rate and gives up detail until the motion rests.
+    if (this.slow > 70) this.stage.thrifty = true;
+    if (this.slow > 90) this.stage.coarse = true;
   }
 
   play() {
