@@ -6,6 +6,8 @@ from Python once, at the entry; inside, it is an address. It is read-only there 
 not) and cannot be built or returned by compiled code.
 """
 
+# mypy: disable-error-code="no-untyped-call, untyped-decorator, override"
+
 from __future__ import annotations
 
 from typing import Any, TypeVar
@@ -62,7 +64,7 @@ def _unbox(reference: Any, value: Any, context: Any) -> Any:
 
 
 @infer_getattr
-class _Attributes(AttributeTemplate):  # type: ignore[misc]
+class _Attributes(AttributeTemplate):
     key = Reference
 
     def generic_resolve(self, reference: Any, name: str) -> Any:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite import ir
+from llvmlite import ir  # type: ignore[import-untyped]
 from numba import types
 from numba.extending import intrinsic
 
@@ -29,13 +29,15 @@ def _caller(arguments: int) -> Any:
     return generate
 
 
-@intrinsic
-def call_with_3(typingctx, address, kind, a, b, c):  # type: ignore[no-untyped-def]
+def _call_with_3(typingctx, address, kind, a, b, c):  # type: ignore[no-untyped-def]
     """Call address(kind, a, b, c); all are integers, the last three addresses of data."""
     return types.none(types.int64, types.int64, *[types.uintp] * 3), _caller(3)
 
 
-@intrinsic
-def call_with_4(typingctx, address, kind, a, b, c, d):  # type: ignore[no-untyped-def]
+def _call_with_4(typingctx, address, kind, a, b, c, d):  # type: ignore[no-untyped-def]
     """Call address(kind, a, b, c, d); all are integers, the last four addresses of data."""
     return types.none(types.int64, types.int64, *[types.uintp] * 4), _caller(4)
+
+
+call_with_3: Any = intrinsic(_call_with_3)
+call_with_4: Any = intrinsic(_call_with_4)

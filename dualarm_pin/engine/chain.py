@@ -188,9 +188,7 @@ def _joint_axis(model: Any, joint: int) -> tuple[int, Floats]:
     )
 
 
-def _arrays(
-    elements: list[_Element], last: Any, base: int, to_base: Any, columns: int
-) -> Chain:
+def _arrays(elements: list[_Element], last: Any, base: int, to_base: Any, columns: int) -> Chain:
     """Turn every element's frame so that its axis is z, and pack the arrays."""
     placements, before = [], pin.SE3.Identity()
     for at, element in enumerate(elements):

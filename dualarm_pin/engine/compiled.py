@@ -16,13 +16,18 @@ import numba
 
 F = TypeVar("F", bound=Callable[..., Any])
 
+_njit: Any = numba.njit
+
 # Everything of fast math that keeps the meaning of nan and inf: the line search relies on both.
 _FAST = {"reassoc", "contract", "nsz", "arcp"}
 
 
 def compiled(function: F) -> F:
-    """Compile a function that only other compiled functions call; it may not allocate."""
-    jitted: F = numba.njit(
+    """Compile a function that only other compiled functions call.
+
+    It may not allocate: arrays are not counted in it, which would cost more than the work does.
+    """
+    jitted: F = _njit(
         fastmath=_FAST,
         error_model="numpy",
         nogil=True,
@@ -35,15 +40,15 @@ def compiled(function: F) -> F:
 
 def inlined(function: F) -> F:
     """Compile a function with one caller as part of it: every level of calls costs compile time."""
-    jitted: F = numba.njit(
-        fastmath=_FAST, error_model="numpy", nogil=True, inline="always", _nrt=False
-    )(function)
+    jitted: F = _njit(fastmath=_FAST, error_model="numpy", nogil=True, inline="always", _nrt=False)(
+        function
+    )
     return jitted
 
 
 def entry(function: F) -> F:
     """Compile a function that Python calls; kept on disk from one process to the next."""
-    jitted: F = numba.njit(fastmath=_FAST, error_model="numpy", nogil=True, cache=True)(function)
+    jitted: F = _njit(fastmath=_FAST, error_model="numpy", nogil=True, cache=True)(function)
     return jitted
 
 

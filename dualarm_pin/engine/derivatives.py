@@ -39,11 +39,15 @@ from dualarm_pin.engine.vectors import cross, dot
 
 @compiled
 def point_value(
-    problem: Problem, i: int, q: Floats, scratch: Scratch, residual: Floats
+    problem: Problem, i: int, q: Floats, scratch: Scratch, residual: Floats, error: Floats
 ) -> float:
-    """Return the objective of point i without links and fill its pose residual (6,)."""
+    """Return the objective of point i without links and fill its pose residual (6,).
+
+    The frames are left in the scratch and the error quaternion in `error` (4,).
+    """
     p, Q = place_chain(problem.chain, q, scratch.w, scratch.v)
-    pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], residual)
+    points = problem.points
+    pose_residual(p, Q, points.position[i], points.quaternion[i], residual, error)
     residual[problem.points.rows[i] :] = 0.0
     if problem.points.index_weight[i] == 0.0:
         value = 0.0
@@ -51,12 +55,12 @@ def point_value(
         value = force_value(problem, i, scratch)
     else:
         value = called_value(problem, i, scratch)
-    total = 0.0
+    total: float = 0.0
     for k in range(q.shape[0]):
         away = q[k] - problem.centre[k]
         value += problem.centre_weight[k] * away * away
         total += problem.points.linear[i, k] * q[k]
-    return total + problem.points.index_weight[i] * value
+    return float(total + problem.points.index_weight[i] * value)
 
 
 @inlined
@@ -67,11 +71,12 @@ def point_derivatives(
     y: Floats,
     scratch: Scratch,
     residual: Floats,
+    error: Floats,
     jacobian: Floats,
     gradient: Floats,
     hessian: Floats,
 ) -> None:
-    """Fill all derivatives of point i.
+    """Fill all derivatives of point i, whose frames are in the scratch.
 
     Args:
         problem: The problem.
@@ -79,15 +84,13 @@ def point_derivatives(
         q: (n,) posture.
         y: (6,) multipliers of the pose rows.
         scratch: Room.
-        residual: (6,) filled; rows beyond the point's are 0.
+        residual: (6,) at q.
+        error: (4,) error quaternion at q.
         jacobian: (6, n) filled.
         gradient: (n,) filled: of the objective without links.
         hessian: (n, n) filled: of the objective without links plus y . residual.
     """
     chain, w, v = problem.chain, scratch.w, scratch.v
-    p, Q = place_chain(chain, q, w, v)
-    error = pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], residual)
-    residual[problem.points.rows[i] :] = 0.0
     rotation_rows(error, problem.points.target_axes[i], scratch.B)
     constraint_jacobian(chain, w, v, scratch.B, jacobian)
     if problem.index_kind == FORCE:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from dualarm_pin.engine.barrier import all_derivatives, objective
 from dualarm_pin.engine.chain import Floats, Integers
 from dualarm_pin.engine.compiled import entry, source_stamp
+from dualarm_pin.engine.derivatives import point_value
 from dualarm_pin.engine.interior_point import Settings, solve_one
 from dualarm_pin.engine.kinematics import relative_jacobian
-from dualarm_pin.engine.layout import Problem, Points, Workspace, load_window
-from dualarm_pin.engine.derivatives import point_value
+from dualarm_pin.engine.layout import Points, Problem, Workspace, load_window
 
 _STAMP = source_stamp()
 
@@ -72,10 +70,11 @@ def _make_evaluate(stamp: int):  # type: ignore[no-untyped-def]
     ) -> float:
         """Fill values (k,), J_r (k, 6, n) and the derivatives in `work`; return the objective."""
         for i in range(q.shape[0]):
-            values[i] = point_value(problem, i, q[i], work.scratch, work.residual[i])
+            values[i] = point_value(problem, i, q[i], work.scratch, work.residual[i], work.error[i])
             relative_jacobian(problem.chain, work.scratch.w, work.scratch.v, J_r[i])
+        total = objective(problem, work, q, work.residual)
         all_derivatives(problem, work, q, y)
-        return objective(problem, work, q, work.residual) + 0 * stamp
+        return total + 0 * stamp
 
     return entry(evaluate)
 

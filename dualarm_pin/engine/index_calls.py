@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numba
 import numpy as np
-from numba import carray
+from numba import carray  # type: ignore[attr-defined]
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError, NumbaPerformanceWarning
 from numpy.typing import NDArray
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 
 Function = Callable[..., Any]
 
-_KINDS = {
+_KINDS: dict[Function, int] = {
     transmission.force_phi: FORCE,
     transmission.velocity_phi: VELOCITY,
     spectral.yoshikawa_phi: YOSHIKAWA,
@@ -83,10 +83,10 @@ def _custom_calls(
         return _python_calls(phi, gradient, curvature)
 
 
-def _compiled_calls(
-    phi: Function, gradient: Function, curvature: Function
-) -> tuple[int, int, int]:
-    value, slope, bend = _jit(phi), _jit(gradient), _jit(curvature)
+def _compiled_calls(phi: Function, gradient: Function, curvature: Function) -> tuple[int, int, int]:
+    value: Any = _jit(phi)
+    slope: Any = _jit(gradient)
+    bend: Any = _jit(curvature)
 
     @numba.cfunc(WITH_2)
     def call_value(kind, A, u, out):  # type: ignore[no-untyped-def]
@@ -105,7 +105,7 @@ def _compiled_calls(
         result[:] = np.nan
         result[:] = bend(carray(A, (6, 6)), carray(u, (6,)), carray(D, (6, 6)))
 
-    calls = (call_value, call_slope, call_bend)
+    calls: Any = (call_value, call_slope, call_bend)
     _kept.append(calls)
     return calls[0].address, calls[1].address, calls[2].address
 
@@ -113,7 +113,8 @@ def _compiled_calls(
 def _jit(function: Function) -> Function:
     """Return a function that compiled code can call, differences made of compiled parts."""
     if isinstance(function, DifferenceGradient):
-        phi, step, formula = _jit(function.phi), function.step, numba.njit(difference_gradient)
+        phi, step = _jit(function.phi), function.step
+        formula: Any = numba.njit(difference_gradient)
 
         def gradient(A, u):  # type: ignore[no-untyped-def]
             return formula(phi, step, A, u)

@@ -1,4 +1,4 @@
-"""What an index contributes at one point: its value, b_e = d(value)/dJ_e and the rest of its Hessian.
+"""What an index contributes at one point: value, b_e = d(value)/dJ_e, the rest of its Hessian.
 
 The Hessian of an index is sum_e b_e . d2J_e (done in `derivatives` for every index alike) plus the
 part in which b itself changes; that part is filled here, by elements, upper triangle.
@@ -52,13 +52,12 @@ def force_terms(problem: Problem, i: int, scratch: Scratch) -> None:
         for c in range(6):
             b[c, e] = factor * s[c] * u[c]
     _slopes(problem, i, scratch)
-    scratch.second[:] = 0.0
-    _add_squares(2.0 * weight, problem.joint_weights, scratch.slope, scratch.second)
+    _fill_squares(2.0 * weight, problem.joint_weights, scratch.slope, scratch.second)
 
 
 @compiled
 def _slopes(problem: Problem, i: int, scratch: Scratch) -> None:
-    """Fill slope (n, E) = da_k/dq_j: f . (w_min x v_max), and m . (w_j x w_e) for j < e."""
+    """Fill slope (E, n) = da_k/dq_j: f . (w_min x v_max), and m . (w_j x w_e) for j < e."""
     chain, w, v, C = problem.chain, scratch.w, scratch.v, scratch.chain_slope
     s, u = problem.task_scale, problem.points.u[i]
     f = (s[0] * u[0], s[1] * u[1], s[2] * u[2])
@@ -78,25 +77,25 @@ def _slopes(problem: Problem, i: int, scratch: Scratch) -> None:
             for e in range(j + 1, elements):
                 C[e, j] += g[0] * w[0, e] + g[1] * w[1, e] + g[2] * w[2, e]
     slope = scratch.slope
-    slope[:] = 0.0
-    for e in range(elements):
-        if chain.role[e] == VARIABLE:
-            k, scale = chain.source[e], chain.scale[e]
-            for j in range(elements):
-                slope[k, j] += scale * C[e, j]
+    for j in range(elements):
+        for k in range(slope.shape[1]):
+            slope[j, k] = 0.0
+        for e in range(elements):
+            if chain.role[e] == VARIABLE:
+                slope[j, chain.source[e]] += chain.scale[e] * C[e, j]
 
 
 @compiled
-def _add_squares(factor: float, weights: Floats, slope: Floats, second: Floats) -> None:
-    """Add factor sum_k weights_k slope_kj slope_kl to the upper triangle."""
-    elements = slope.shape[1]
-    for k in range(slope.shape[0]):
-        scale = factor * weights[k]
-        if scale != 0.0:
-            for j in range(elements):
-                t = scale * slope[k, j]
-                for e in range(j, elements):
-                    second[j, e] += t * slope[k, e]
+def _fill_squares(factor: float, weights: Floats, slope: Floats, second: Floats) -> None:
+    """Fill the upper triangle with factor sum_k weights_k slope_jk slope_lk."""
+    for e in range(slope.shape[0]):
+        right = slope[e]
+        for j in range(e + 1):
+            left = slope[j]
+            entry = 0.0
+            for k in range(weights.shape[0]):
+                entry += weights[k] * left[k] * right[k]
+            second[j, e] = factor * entry
 
 
 @compiled
@@ -121,9 +120,13 @@ def called_value(problem: Problem, i: int, scratch: Scratch) -> float:
     """Return phi(A, u)."""
     task_matrix(problem, scratch)
     call_with_3(
-        problem.calls[0], problem.index_kind, scratch.A.ctypes.data, problem.points.u[i].ctypes.data, scratch.value.ctypes.data
+        problem.calls[0],
+        problem.index_kind,
+        scratch.A.ctypes.data,
+        problem.points.u[i].ctypes.data,
+        scratch.value.ctypes.data,
     )
-    return scratch.value[0]
+    return float(scratch.value[0])
 
 
 @compiled
@@ -137,7 +140,9 @@ def called_terms(problem: Problem, i: int, scratch: Scratch) -> None:
     W, G, J_r, u = problem.joint_weights, scratch.G, scratch.J_r, problem.points.u[i]
     b, s = scratch.b, problem.task_scale
     task_matrix(problem, scratch)
-    call_with_3(problem.calls[1], problem.index_kind, scratch.A.ctypes.data, u.ctypes.data, G.ctypes.data)
+    call_with_3(
+        problem.calls[1], problem.index_kind, scratch.A.ctypes.data, u.ctypes.data, G.ctypes.data
+    )
     for e in range(chain.kind.shape[0]):
         b[:, e] = 0.0
         if chain.role[e] == VARIABLE:

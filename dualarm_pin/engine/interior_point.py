@@ -15,7 +15,7 @@ from dualarm_pin.engine.barrier import (
     start_multipliers,
 )
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled, inlined, copy_rows
+from dualarm_pin.engine.compiled import compiled, copy_rows, inlined
 from dualarm_pin.engine.layout import Problem, Workspace
 from dualarm_pin.engine.line_search import Limits, merit_of, search
 from dualarm_pin.engine.newton import (
@@ -30,6 +30,7 @@ CONVERGED, ITERATION_LIMIT, INFEASIBLE, STALLED, NOT_RUN = 0, 1, 2, 3, 4
 
 _MU_FACTOR, _MU_POWER, _MU_ERROR = 0.2, 1.5, 10.0
 _TAU_MIN = 0.99
+_LEAST_SLACK = 1e-14  # of the range
 _RESTORATIONS, _RESTORE_STEPS, _RESTORE_TOLERANCE, _RESTORE_MU = 5, 50, 1e-9, 1e-3
 
 
@@ -127,7 +128,7 @@ def solve_one(
             length, now, filtered = search(problem, work, q, mu, tau, now, limits, filtered)
         if length > 0.0:
             _bound_multiplier_step(problem, work, q, z_l, z_u, mu, tau)
-            _accept(work, q, y, length)
+            _accept(problem, work, q, y, length)
             keep_multipliers_near(problem, q, mu, z_l, z_u)
             continue
         restorations += 1
@@ -170,29 +171,37 @@ def _bound_multiplier_step(
     """Move z by dz = mu / slack - z -+ z / slack dq, as far as all stay positive."""
     count, n = q.shape
     length = 1.0
+    lower, upper, step = problem.lower, problem.upper, work.step
+    lower_step, upper_step = work.lower_step, work.upper_step
     for i in range(count):
         for k in range(n):
-            below, above = q[i, k] - problem.lower[k], problem.upper[k] - q[i, k]
-            d = work.step[i, k]
-            dz_l = (mu - z_l[i, k] * d) / below - z_l[i, k]
-            dz_u = (mu + z_u[i, k] * d) / above - z_u[i, k]
-            if dz_l < 0.0:
-                length = min(length, -tau * z_l[i, k] / dz_l)
-            if dz_u < 0.0:
-                length = min(length, -tau * z_u[i, k] / dz_u)
+            d = step[i, k]
+            dz_l = (mu - z_l[i, k] * d) / (q[i, k] - lower[k]) - z_l[i, k]
+            dz_u = (mu + z_u[i, k] * d) / (upper[k] - q[i, k]) - z_u[i, k]
+            if length * dz_l < -tau * z_l[i, k]:
+                length = -tau * z_l[i, k] / dz_l
+            if length * dz_u < -tau * z_u[i, k]:
+                length = -tau * z_u[i, k] / dz_u
+            lower_step[i, k], upper_step[i, k] = dz_l, dz_u
     for i in range(count):
         for k in range(n):
-            below, above = q[i, k] - problem.lower[k], problem.upper[k] - q[i, k]
-            d = work.step[i, k]
-            z_l[i, k] += length * ((mu - z_l[i, k] * d) / below - z_l[i, k])
-            z_u[i, k] += length * ((mu + z_u[i, k] * d) / above - z_u[i, k])
+            z_l[i, k] += length * lower_step[i, k]
+            z_u[i, k] += length * upper_step[i, k]
 
 
 @compiled
-def _accept(work: Workspace, q: Floats, y: Floats, length: float) -> None:
-    """Take the trial and its residual, and the multipliers of the pose rows as far."""
-    copy_rows(work.trial, q)
+def _accept(problem: Problem, work: Workspace, q: Floats, y: Floats, length: float) -> None:
+    """Take the trial and its residual, and the multipliers of the pose rows as far.
+
+    A slack below rounding would be lost in q - bound, so it is kept just above.
+    """
+    lower, upper, trial, new_y = problem.lower, problem.upper, work.trial, work.new_y
+    for i in range(q.shape[0]):
+        for k in range(q.shape[1]):
+            least = _LEAST_SLACK * (upper[k] - lower[k])
+            inside = max(trial[i, k], lower[k] + least)
+            q[i, k] = min(inside, upper[k] - least)
     copy_rows(work.trial_residual, work.residual)
     for i in range(q.shape[0]):
         for r in range(6):
-            y[i, r] += length * (work.new_y[i, r] - y[i, r])
+            y[i, r] += length * (new_y[i, r] - y[i, r])

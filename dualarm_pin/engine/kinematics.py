@@ -25,7 +25,7 @@ from dualarm_pin.engine.vectors import (
 @compiled
 def element_value(chain: Chain, q: Floats, e: int) -> float:
     """Return where element e stands [rad or m]."""
-    value = chain.offset[e]
+    value: float = chain.offset[e]
     if chain.role[e] == VARIABLE:
         value += chain.scale[e] * q[chain.source[e]]
     elif chain.role[e] == PARAMETER:
@@ -78,34 +78,35 @@ def place_chain(chain: Chain, q: Floats, w: Floats, v: Floats) -> tuple[Vector, 
 
 @compiled
 def pose_residual(
-    p: Vector, Q: Quaternion, position: Floats, target: Floats, residual: Floats
-) -> Quaternion:
-    """Fill the residual [p - p_d; 2 vec(Q_d* Q)] (6,) and return the error quaternion Q_d* Q.
+    p: Vector, Q: Quaternion, position: Floats, target: Floats, residual: Floats, error: Floats
+) -> None:
+    """Fill the residual [p - p_d; 2 vec(Q_d* Q)] (6,) and the error quaternion Q_d* Q (4,).
 
     The rotation part is smooth in q and vanishes only at the right rotation (both covers of it).
     Its norm is 2 sin(angle / 2). Without its third row the spin about z is free: the first two
     have norm 2 sin(swing / 2), largest where the axis points the wrong way, so nothing is
     trapped there. (The frames are turned beforehand so that z is the spin axis.)
     """
-    error = multiply((target[0], -target[1], -target[2], -target[3]), Q)
+    error[0], error[1], error[2], error[3] = multiply(
+        (target[0], -target[1], -target[2], -target[3]), Q
+    )
     for i in range(3):
         residual[i] = p[i] - position[i]
         residual[3 + i] = 2.0 * error[1 + i]
-    return error
 
 
 @compiled
-def rotation_rows(error: Quaternion, target_axes: Floats, B: Floats) -> None:
+def rotation_rows(error: Floats, target_axes: Floats, B: Floats) -> None:
     """Fill B (3, 3) with d(2 vec(Q_d* Q))/dq_e = B w_e, B = (s I - [vec]x) R_d^T.
 
     From dQ/dq_e = (0, w_e) Q / 2 and Q_d* (0, w) Q = (0, R_d^T w) Q_d* Q.
 
     Args:
-        error: Q_d* Q = (s, vec).
+        error: (4,) Q_d* Q = (s, vec).
         target_axes: (3, 3) R_d^T.
         B: Filled.
     """
-    s, x, y, z = error
+    s, x, y, z = error[0], error[1], error[2], error[3]
     for c in range(3):
         a0, a1, a2 = target_axes[0, c], target_axes[1, c], target_axes[2, c]
         B[0, c] = s * a0 + a1 * z - a2 * y
@@ -114,9 +115,7 @@ def rotation_rows(error: Quaternion, target_axes: Floats, B: Floats) -> None:
 
 
 @compiled
-def constraint_jacobian(
-    chain: Chain, w: Floats, v: Floats, B: Floats, jacobian: Floats
-) -> None:
+def constraint_jacobian(chain: Chain, w: Floats, v: Floats, B: Floats, jacobian: Floats) -> None:
     """Fill the Jacobian (6, n) of the pose residual: column += scale_e [v_e; B w_e]."""
     jacobian[:] = 0.0
     for e in range(chain.kind.shape[0]):

@@ -65,6 +65,7 @@ class Problem(NamedTuple):
         lower: (n,) rad or m; a fixed variable has a harmless interval around its value.
         upper: (n,).
         fixed: (f,) columns that must not move.
+        fixed_value: (f,) where they stand.
         metric: (n,).
         end: (2, n) fixed neighbours before and after.
         inequality: (r, 12) inequality rows of every point: none yet.
@@ -81,6 +82,7 @@ class Problem(NamedTuple):
     lower: Floats
     upper: Floats
     fixed: Integers
+    fixed_value: Floats
     metric: Floats
     end: Floats
     inequality: Floats
@@ -98,7 +100,7 @@ class Scratch(NamedTuple):
         a: (n,) u . J_r, column by column.
         b: (6, E) d(value)/d(column of J_r), per element and unscaled.
         chain_slope: (E, E) u . dJ_e/dq_j.
-        slope: (n, E) the same summed over the elements of a variable.
+        slope: (E, n) the same by j, summed over the elements e of a variable.
         alpha: (3, E) factors of the second derivatives, see `derivatives`.
         beta: (3, E) the same.
         second: (E, E) second derivatives by elements, upper triangle.
@@ -137,6 +139,9 @@ class Workspace(NamedTuple):
 
     Attributes:
         scratch: Room for one point.
+        axes: (k, 3, E) w of the last posture evaluated.
+        columns: (k, 3, E) its v.
+        error: (k, 4) its error quaternion.
         residual: (k, 6) pose residual.
         trial_residual: (k, 6).
         jacobian: (k, 6, n) of the pose residual.
@@ -165,10 +170,15 @@ class Workspace(NamedTuple):
         target: (k, 6) residual that the step shall remove.
         new_y: (k, 6) multipliers after a full step.
         trial: (k, n).
+        lower_step: (k, n) step of the multipliers of the lower bounds.
+        upper_step: (k, n).
         filter: (f, 2) pairs of violation and barrier objective.
     """
 
     scratch: Scratch
+    axes: Floats
+    columns: Floats
+    error: Floats
     residual: Floats
     trial_residual: Floats
     jacobian: Floats
@@ -197,6 +207,8 @@ class Workspace(NamedTuple):
     target: Floats
     new_y: Floats
     trial: Floats
+    lower_step: Floats
+    upper_step: Floats
     filter: Floats
 
 
@@ -213,7 +225,7 @@ def new_scratch(elements: int, n: int) -> Scratch:
         a=np.zeros(n),
         b=np.zeros((6, elements)),
         chain_slope=np.zeros((elements, elements)),
-        slope=np.zeros((n, elements)),
+        slope=np.zeros((elements, n)),
         alpha=np.zeros((3, elements)),
         beta=np.zeros((3, elements)),
         second=np.zeros((elements, elements)),
@@ -231,6 +243,9 @@ def new_workspace(k: int, elements: int, n: int) -> Workspace:
     """Allocate the room for one solve."""
     return Workspace(
         scratch=new_scratch(elements, n),
+        axes=np.zeros((k, 3, elements)),
+        columns=np.zeros((k, 3, elements)),
+        error=np.zeros((k, 4)),
         residual=np.zeros((k, 6)),
         trial_residual=np.zeros((k, 6)),
         jacobian=np.zeros((k, 6, n)),
@@ -259,14 +274,19 @@ def new_workspace(k: int, elements: int, n: int) -> Workspace:
         target=np.zeros((k, 6)),
         new_y=np.zeros((k, 6)),
         trial=np.zeros((k, n)),
+        lower_step=np.zeros((k, n)),
+        upper_step=np.zeros((k, n)),
         filter=np.zeros((FILTER_SIZE, 2)),
     )
 
 
 def room_for_window(points: Points, k: int) -> Points:
     """Return points of the same kind with room for k of them."""
-    room = [np.zeros((k, *array.shape[1:]), dtype=array.dtype) for array in points[:-1]]
-    return Points(*room, end_weight=np.zeros(2))
+    room = {
+        name: np.zeros((k, *array.shape[1:]), dtype=array.dtype)
+        for name, array in points._asdict().items()
+    }
+    return Points(**(room | {"end_weight": np.zeros(2)}))
 
 
 @compiled

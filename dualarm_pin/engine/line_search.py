@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 from dualarm_pin.engine.barrier import log_barrier, objective, violation
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.engine.compiled import compiled, inlined
 from dualarm_pin.engine.layout import FILTER_SIZE, Problem, Workspace
 from dualarm_pin.engine.newton import newton_step
 
@@ -60,17 +60,17 @@ def merit_of(problem: Problem, work: Workspace, q: Floats, residual: Floats) -> 
 def step_to_bounds(problem: Problem, q: Floats, step: Floats, tau: float) -> float:
     """Return the largest step length up to 1 that keeps the share 1 - tau of every slack."""
     length = 1.0
+    lower, upper = problem.lower, problem.upper
     for i in range(q.shape[0]):
         for k in range(q.shape[1]):
             d = step[i, k]
-            if d < 0.0:
-                length = min(length, -tau * (q[i, k] - problem.lower[k]) / d)
-            elif d > 0.0:
-                length = min(length, tau * (problem.upper[k] - q[i, k]) / d)
+            room = tau * (q[i, k] - lower[k]) if d < 0.0 else tau * (upper[k] - q[i, k])
+            if length * abs(d) > room:  # a division only where it shortens the step
+                length = room / abs(d)
     return length
 
 
-@compiled
+@inlined
 def search(
     problem: Problem,
     work: Workspace,
@@ -87,13 +87,14 @@ def search(
         Step length (0 if none was acceptable), merit there, number of pairs in the filter.
     """
     slope = 0.0
+    gradient, step = work.barrier_gradient, work.step
     for i in range(q.shape[0]):
         for k in range(q.shape[1]):
-            slope += work.barrier_gradient[i, k] * work.step[i, k]
-    full = step_to_bounds(problem, q, work.step, tau)
+            slope += gradient[i, k] * step[i, k]
+    full = step_to_bounds(problem, q, step, tau)
     length = full
     for attempt in range(_HALVINGS):
-        _move(q, length, work.step, work.trial)
+        _move(q, length, step, work.trial)
         trial = merit_of(problem, work, work.trial, work.trial_residual)
         verdict = judge(work.filter, filtered, mu, now, trial, slope, length, limits)
         if verdict == REJECTED and attempt == 0 and trial.violation >= now.violation:
@@ -142,10 +143,10 @@ def judge(
     after = trial.objective - mu * trial.logs
     if not (trial.violation <= limits.large and math.isfinite(after)):
         return REJECTED
-    for pair in range(filtered):
-        if trial.violation >= pairs[pair, 0] and after >= pairs[pair, 1]:
-            return REJECTED
     rounding = _ROUNDING * abs(before)
+    for pair in range(filtered):
+        if trial.violation >= pairs[pair, 0] and after - rounding >= pairs[pair, 1]:
+            return REJECTED
     promising = slope < 0.0 and (
         length * (-slope) ** _SWITCH_SLOPE > now.violation**_SWITCH_VIOLATION
     )

@@ -38,45 +38,42 @@ def orthonormal_basis(
         for k in range(n):
             x[k] = matrix[r, k]
             size += x[k] * x[k]
-        _reflect(mirror, rank, x)
+        for c in range(rank):
+            _mirror(mirror[c], x)
         rest = 0.0
-        for k in range(rank, n):
+        for k in range(n):
+            if k < rank:
+                triangle[rank, k] = x[k]
+                x[k] = 0.0
             rest += x[k] * x[k]
         if rest <= RANK_TOLERANCE * RANK_TOLERANCE * size:
             continue
-        for c in range(rank):
-            triangle[rank, c] = x[c]
-            x[c] = 0.0
         pivot = -math.sqrt(rest) if x[rank] > 0.0 else math.sqrt(rest)
         triangle[rank, rank] = pivot
         x[rank] -= pivot
-        # scaled so that the mirror is I - x x^T
         scale = 1.0 / math.sqrt(-pivot * x[rank])
-        for k in range(rank, n):
+        for k in range(n):
             x[k] *= scale
         kept[rank] = r
         rank += 1
     for a in range(n):
-        basis[a] = 0.0
-        basis[a, a] = 1.0
-        for c in range(min(rank, n) - 1, -1, -1):
-            along = 0.0
-            for k in range(c, n):
-                along += mirror[c, k] * basis[a, k]
-            for k in range(c, n):
-                basis[a, k] -= along * mirror[c, k]
+        row = basis[a]
+        for k in range(n):
+            row[k] = 0.0
+        row[a] = 1.0
+        for c in range(min(rank, a + 1)):  # later mirrors leave e_a as it is
+            _mirror(mirror[min(rank, a + 1) - 1 - c], row)
     return rank
 
 
 @compiled
-def _reflect(mirror: Floats, count: int, x: Floats) -> None:
-    """Apply the first `count` mirrors to x in place."""
-    for c in range(count):
-        along = 0.0
-        for k in range(c, x.shape[0]):
-            along += mirror[c, k] * x[k]
-        for k in range(c, x.shape[0]):
-            x[k] -= along * mirror[c, k]
+def _mirror(m: Floats, x: Floats) -> None:
+    """Apply the mirror I - m m^T to x in place."""
+    along = 0.0
+    for k in range(x.shape[0]):
+        along += m[k] * x[k]
+    for k in range(x.shape[0]):
+        x[k] -= along * m[k]
 
 
 @compiled

@@ -10,7 +10,7 @@ T t = -g, (Z H Z^T) r = -Z (grad + H B^T t), T^T y_new = -B (grad + H dq).
 from __future__ import annotations
 
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.engine.compiled import compiled, inlined
 from dualarm_pin.engine.layout import Problem, Workspace
 from dualarm_pin.engine.linear_algebra import block_cholesky, block_solve, orthonormal_basis
 
@@ -18,7 +18,7 @@ _SHIFT_FIRST, _SHIFT_MIN, _SHIFT_MAX = 1e-4, 1e-12, 1e12
 _SHIFT_GROW_FIRST, _SHIFT_GROW, _SHIFT_SHRINK = 100.0, 8.0, 3.0
 
 
-@compiled
+@inlined
 def reduce_system(problem: Problem, work: Workspace) -> None:
     """Fill bases and reduced blocks at the current derivatives."""
     count, n = work.gradient.shape
@@ -43,16 +43,18 @@ def _reduce_diagonal(work: Workspace, i: int) -> None:
     n, rank, size = work.gradient.shape[1], work.rank[i], work.free[i]
     basis, hessian, half, block = work.basis[i], work.hessian[i], work.half, work.diagonal[i]
     for a in range(size):
+        row, product = basis[rank + a], half[a]
         for k in range(n):
-            half[a, k] = 0.0
+            product[k] = 0.0
         for c in range(n):
-            t = basis[rank + a, c]
+            t, line = row[c], hessian[c]
             for k in range(n):
-                half[a, k] += t * hessian[c, k]
+                product[k] += t * line[k]
         for b in range(a + 1):
+            other = basis[rank + b]
             entry = 0.0
             for k in range(n):
-                entry += half[a, k] * basis[rank + b, k]
+                entry += product[k] * other[k]
             block[a, b] = entry
 
 
@@ -64,23 +66,26 @@ def _reduce_coupling(problem: Problem, work: Workspace, i: int) -> None:
     rank, rank_before = work.rank[i], work.rank[i - 1]
     stiffness, bend = work.stiffness[i - 1], 8.0 * problem.points.link_weight[i - 1]
     link, half, block = work.link[i - 1], work.half, work.coupling[i]
-    for b in range(work.free[i - 1]):
+    metric, rows, columns = problem.metric, work.free[i], work.free[i - 1]
+    for b in range(columns):
+        row, product = before[rank_before + b], half[b]
         along = 0.0
         for k in range(n):
-            along += link[k] * before[rank_before + b, k]
+            along += link[k] * row[k]
+        along *= bend
         for k in range(n):
-            half[b, k] = -(
-                stiffness * problem.metric[k] * before[rank_before + b, k] + bend * along * link[k]
-            )
-    for a in range(work.free[i]):
-        for b in range(work.free[i - 1]):
+            product[k] = -(stiffness * metric[k] * row[k] + along * link[k])
+    for a in range(rows):
+        row = here[rank + a]
+        for b in range(columns):
+            product = half[b]
             entry = 0.0
             for k in range(n):
-                entry += here[rank + a, k] * half[b, k]
+                entry += row[k] * product[k]
             block[a, b] = entry
 
 
-@compiled
+@inlined
 def factor_convex(work: Workspace, last_shift: float) -> float:
     """Factor the reduced Hessian plus the smallest tried shift that makes it positive definite.
 
@@ -90,16 +95,12 @@ def factor_convex(work: Workspace, last_shift: float) -> float:
     Returns:
         The shift used (0 if none), or -1 if none was enough.
     """
-    if block_cholesky(
-        work.diagonal, work.coupling, work.free, 0.0, work.factor, work.below
-    ):
+    if block_cholesky(work.diagonal, work.coupling, work.free, 0.0, work.factor, work.below):
         return 0.0
     first = last_shift == 0.0
     shift = _SHIFT_FIRST if first else max(_SHIFT_MIN, last_shift / _SHIFT_SHRINK)
     while shift < _SHIFT_MAX:
-        if block_cholesky(
-            work.diagonal, work.coupling, work.free, shift, work.factor, work.below
-        ):
+        if block_cholesky(work.diagonal, work.coupling, work.free, shift, work.factor, work.below):
             return shift
         shift *= _SHIFT_GROW_FIRST if first else _SHIFT_GROW
     return -1.0
@@ -109,55 +110,58 @@ def factor_convex(work: Workspace, last_shift: float) -> float:
 def newton_step(problem: Problem, work: Workspace, step: Floats) -> None:
     """Fill step (k, n): it removes the residual in `work.target` and minimises the model."""
     count, n = step.shape
+    basis, kept, free = work.basis, work.kept, work.free
+    target, normal, reduced = work.target, work.normal, work.reduced
+    slope, product = work.barrier_gradient, work.product
     t = work.row
     for i in range(count):
         triangle, rank = work.triangle[i], work.rank[i]
         for r in range(rank):
-            rest = -work.target[i, work.kept[i, r]]
+            rest = -target[i, kept[i, r]]
             for c in range(r):
                 rest -= triangle[r, c] * t[c]
             t[r] = rest / triangle[r, r]
         for k in range(n):
-            work.normal[i, k] = 0.0
+            normal[i, k] = 0.0
         for r in range(rank):
             for k in range(n):
-                work.normal[i, k] += t[r] * work.basis[i, r, k]
-    hessian_times(problem, work, work.normal, work.product)
+                normal[i, k] += t[r] * basis[i, r, k]
+    hessian_times(problem, work, normal, product)
     for i in range(count):
         rank = work.rank[i]
-        for a in range(work.free[i]):
+        for a in range(free[i]):
             along = 0.0
             for k in range(n):
-                slope = work.product[i, k] + work.barrier_gradient[i, k]
-                along -= work.basis[i, rank + a, k] * slope
-            work.reduced[i, a] = along
-    block_solve(work.factor, work.below, work.free, work.reduced)
+                along -= basis[i, rank + a, k] * (product[i, k] + slope[i, k])
+            reduced[i, a] = along
+    block_solve(work.factor, work.below, free, reduced)
     for i in range(count):
         rank = work.rank[i]
         for k in range(n):
-            step[i, k] = work.normal[i, k]
-        for a in range(work.free[i]):
-            length = work.reduced[i, a]
+            step[i, k] = normal[i, k]
+        for a in range(free[i]):
+            length = reduced[i, a]
             for k in range(n):
-                step[i, k] += length * work.basis[i, rank + a, k]
+                step[i, k] += length * basis[i, rank + a, k]
 
 
-@compiled
+@inlined
 def newton_multipliers(problem: Problem, work: Workspace, step: Floats) -> None:
     """Fill new_y (k, 6): T^T y = -B (grad + H dq); 0 for rows that were dropped."""
     count, n = step.shape
-    hessian_times(problem, work, step, work.product)
+    basis, kept, new_y = work.basis, work.kept, work.new_y
+    slope, product = work.barrier_gradient, work.product
+    hessian_times(problem, work, step, product)
     for i in range(count):
         triangle, rank = work.triangle[i], work.rank[i]
-        work.new_y[i] = 0.0
+        new_y[i] = 0.0
         for r in range(rank - 1, -1, -1):
             rest = 0.0
             for k in range(n):
-                slope = work.product[i, k] + work.barrier_gradient[i, k]
-                rest -= work.basis[i, r, k] * slope
+                rest -= basis[i, r, k] * (product[i, k] + slope[i, k])
             for c in range(r + 1, rank):
-                rest -= triangle[c, r] * work.new_y[i, work.kept[i, c]]
-            work.new_y[i, work.kept[i, r]] = rest / triangle[r, r]
+                rest -= triangle[c, r] * new_y[i, kept[i, c]]
+            new_y[i, kept[i, r]] = rest / triangle[r, r]
 
 
 @compiled

@@ -7,13 +7,13 @@ from typing import Any
 
 import numba
 import numpy as np
-from numba import carray, types
+from numba import carray, types  # type: ignore[attr-defined]
 
 from dualarm_pin.engine.compiled import source_stamp
 from dualarm_pin.engine.layout import CONDITION, SMALLEST, VELOCITY, YOSHIKAWA
 from dualarm_pin.indices import spectral, transmission
 
-_POINTER = types.CPointer(types.float64)
+_POINTER: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 WITH_2 = types.void(types.int64, *[_POINTER] * 3)
 WITH_3 = types.void(types.int64, *[_POINTER] * 4)
 
@@ -35,7 +35,8 @@ _smallest_curvature = _jit(spectral.smallest_curvature)
 @cache
 def package_calls() -> tuple[int, int, int]:
     """Compile or load phi, gradient and curvature and return their addresses."""
-    return tuple(function.address for function in _functions(source_stamp()))  # type: ignore
+    value, gradient, curvature = _functions(source_stamp())
+    return value.address, gradient.address, curvature.address
 
 
 @cache

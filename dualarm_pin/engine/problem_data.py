@@ -74,7 +74,7 @@ def problem_data(
     k = len(position)
     position = _array("position", position, (k, 3))
     turned = _array("rotation", rotation, (k, 3, 3)) @ _axes_with_z(spin_axis)
-    low, high, fixed = _bounds(_array("lower", lower, (n,)), _array("upper", upper, (n,)))
+    low, high, fixed, value = _bounds(_array("lower", lower, (n,)), _array("upper", upper, (n,)))
     half = 0.5 * (high - low)
     half[fixed] = np.inf
     kind, calls = index_calls(index)
@@ -108,6 +108,7 @@ def problem_data(
         lower=low,
         upper=high,
         fixed=fixed,
+        fixed_value=value,
         metric=_array("metric", metric, (n,), 1.0),
         end=np.stack([_array("before", before, (n,)), _array("after", after, (n,))]),
         inequality=np.zeros((0, 12)),
@@ -138,8 +139,8 @@ def _rows(rows: ArrayLike | None, k: int) -> NDArray[np.int64]:
     return array.astype(np.int64)
 
 
-def _bounds(lower: Floats, upper: Floats) -> tuple[Floats, Floats, NDArray[np.int64]]:
-    """Return bounds for the barrier and the fixed columns; those get middle -+ 1 around them."""
+def _bounds(lower: Floats, upper: Floats) -> tuple[Floats, Floats, NDArray[np.int64], Floats]:
+    """Return bounds for the barrier, and fixed columns with their values; those get value -+ 1."""
     if (lower > upper).any():
         at = int(np.argmax(lower > upper))
         raise InputError(
@@ -147,9 +148,9 @@ def _bounds(lower: Floats, upper: Floats) -> tuple[Floats, Floats, NDArray[np.in
             field="lower",
         )
     fixed = np.flatnonzero(upper - lower < _FIXED_WIDTH)
-    middle = 0.5 * (lower[fixed] + upper[fixed])
-    lower[fixed], upper[fixed] = middle - 1.0, middle + 1.0
-    return lower, upper, fixed
+    value = 0.5 * (lower[fixed] + upper[fixed])
+    lower[fixed], upper[fixed] = value - 1.0, value + 1.0
+    return lower, upper, fixed, value
 
 
 def _axes_with_z(axis: ArrayLike) -> Floats:

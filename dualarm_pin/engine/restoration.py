@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled, inlined, copy_row
+from dualarm_pin.engine.compiled import compiled, copy_row, inlined
 from dualarm_pin.engine.kinematics import (
     constraint_jacobian,
     place_chain,
@@ -46,9 +46,7 @@ def _restore_point(
                 for k in range(n):
                     margin = _MARGIN * (problem.upper[k] - problem.lower[k])
                     moved = q[k] - work.normal[i, k]
-                    trial[k] = min(
-                        max(moved, problem.lower[k] + margin), problem.upper[k] - margin
-                    )
+                    trial[k] = min(max(moved, problem.lower[k] + margin), problem.upper[k] - margin)
                 trial_square = _residual(problem, work, i, trial, trial_residual)
                 better = trial_square < square
             if better:
@@ -66,7 +64,8 @@ def _restore_point(
 def _residual(problem: Problem, work: Workspace, i: int, q: Floats, residual: Floats) -> float:
     """Fill the residual of point i and return its square."""
     p, Q = place_chain(problem.chain, q, work.scratch.w, work.scratch.v)
-    pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], residual)
+    points = problem.points
+    pose_residual(p, Q, points.position[i], points.quaternion[i], residual, work.error[i])
     square = 0.0
     for r in range(6):
         if r >= problem.points.rows[i]:
@@ -80,8 +79,9 @@ def _jacobian(problem: Problem, work: Workspace, i: int, q: Floats, jacobian: Fl
     """Fill the Jacobian of point i at q."""
     scratch = work.scratch
     p, Q = place_chain(problem.chain, q, scratch.w, scratch.v)
-    error = pose_residual(p, Q, problem.points.position[i], problem.points.quaternion[i], work.row)
-    rotation_rows(error, problem.points.target_axes[i], scratch.B)
+    points = problem.points
+    pose_residual(p, Q, points.position[i], points.quaternion[i], work.row, work.error[i])
+    rotation_rows(work.error[i], problem.points.target_axes[i], scratch.B)
     constraint_jacobian(problem.chain, scratch.w, scratch.v, scratch.B, jacobian)
 
 

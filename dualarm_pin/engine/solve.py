@@ -192,7 +192,7 @@ def solve(
         options = Options() if warm is None else Options.warm()
     batch = _Rows(data, first[None], np.zeros(1, dtype=np.int64))
     if warm is not None:
-        batch.y[0] = _shaped("warm", warm.pose_multipliers, first.shape[:1] + (6,))
+        batch.y[0] = _shaped("warm", warm.pose_multipliers, (len(first), 6))
         batch.z_l[0] = _shaped("warm", warm.lower_multipliers, first.shape)
         batch.z_u[0] = _shaped("warm", warm.upper_multipliers, first.shape)
     batch.run(np.zeros(1, dtype=np.int64), options.settings(), warm is not None)

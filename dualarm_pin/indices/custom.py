@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualarm_pin.errors import InputError
-from dualarm_pin.indices.index import Array, Index
+from dualarm_pin.indices.index import Array, Index, as_array
 
 FIRST_STEP, SECOND_STEP = 1e-6, 1e-4  # of the size of A; the second where phi is differenced twice
 
@@ -92,7 +92,14 @@ def custom(
     if curvature is None:
         curvature = DifferenceCurvature(slopes, step)
     return Index(
-        name, phi, gradient, curvature, task_weights, joint_weights, joint_centre, units
+        name,
+        phi,
+        gradient,
+        curvature,
+        as_array(task_weights),
+        as_array(joint_weights),
+        joint_centre,
+        units,
     )
 
 
@@ -122,4 +129,5 @@ def difference_curvature(
     if size == 0.0:
         return np.zeros((6, 6))
     h = step * max(np.max(np.abs(A)), 1e-12) / size
-    return (gradient(A + h * D, u) - gradient(A - h * D, u)) / (2.0 * h)
+    result: Array = (gradient(A + h * D, u) - gradient(A - h * D, u)) / (2.0 * h)
+    return result

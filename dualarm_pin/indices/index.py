@@ -53,6 +53,11 @@ class Index:
         return dataclasses.replace(self, joint_centre=float(weight))
 
 
+def as_array(value: ArrayLike | None) -> Array | None:
+    """Return weights as an array, or None."""
+    return None if value is None else np.asarray(value, dtype=np.float64)
+
+
 def _weights(name: str, value: ArrayLike | None, size: int | None) -> Array | None:
     """Return a checked read-only copy."""
     if value is None:

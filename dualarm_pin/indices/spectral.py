@@ -11,7 +11,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualarm_pin.indices.index import Array, Index
+from dualarm_pin.indices.index import Array, Index, as_array
 
 
 def yoshikawa(
@@ -25,8 +25,8 @@ def yoshikawa(
         yoshikawa_phi,
         yoshikawa_gradient,
         yoshikawa_curvature,
-        task_weights,
-        joint_weights,
+        as_array(task_weights),
+        as_array(joint_weights),
         joint_centre,
         "m^3 for all six rows",
     )
@@ -43,8 +43,8 @@ def inverse_condition_number(
         condition_phi,
         condition_gradient,
         condition_curvature,
-        task_weights,
-        joint_weights,
+        as_array(task_weights),
+        as_array(joint_weights),
         joint_centre,
         "1",
     )
@@ -61,8 +61,8 @@ def smallest_singular_value(
         smallest_phi,
         smallest_gradient,
         smallest_curvature,
-        task_weights,
-        joint_weights,
+        as_array(task_weights),
+        as_array(joint_weights),
         joint_centre,
         "m or rad, as weighted",
     )
@@ -86,7 +86,8 @@ def yoshikawa_gradient(A: Array, u: Array) -> Array:
     lam, V = np.linalg.eigh(A + np.diag(1.0 - left))
     lam = np.maximum(lam, 1e-14 * lam[-1])
     value = -np.sqrt(np.prod(lam))
-    return 0.5 * value * (np.dot(V / lam, V.T) - np.diag(1.0 - left))
+    result: Array = 0.5 * value * (np.dot(V / lam, V.T) - np.diag(1.0 - left))
+    return result
 
 
 def yoshikawa_curvature(A: Array, u: Array, D: Array) -> Array:
@@ -97,7 +98,8 @@ def yoshikawa_curvature(A: Array, u: Array, D: Array) -> Array:
     value = -np.sqrt(np.prod(lam))
     inverse = np.dot(V / lam, V.T) - np.diag(1.0 - left)
     change = np.dot(inverse, D)
-    return 0.5 * value * (0.5 * np.trace(change) * inverse - np.dot(change, inverse))
+    result: Array = 0.5 * value * (0.5 * np.trace(change) * inverse - np.dot(change, inverse))
+    return result
 
 
 def smallest_phi(A: Array, u: Array) -> float:
@@ -113,7 +115,8 @@ def smallest_gradient(A: Array, u: Array) -> Array:
     lam, V = np.linalg.eigh(A + np.diag((1.0 - left) * np.trace(A)))
     sigma = np.sqrt(max(lam[0], 1e-14 * lam[-1]))
     x = V[:, 0].copy()
-    return np.outer(x, x) / (-2.0 * sigma)
+    result: Array = np.outer(x, x) / (-2.0 * sigma)
+    return result
 
 
 def smallest_curvature(A: Array, u: Array, D: Array) -> Array:
@@ -131,7 +134,8 @@ def smallest_curvature(A: Array, u: Array, D: Array) -> Array:
         v = V[:, k].copy()
         dx += v * np.dot(v, Dx) / min(lam[0] - lam[k], -1e-9 * lam[-1])
     turned = np.outer(dx, x) + np.outer(x, dx)
-    return turned / (-2.0 * sigma) + np.outer(x, x) * (np.dot(x, Dx) / (4.0 * sigma**3))
+    result: Array = turned / (-2.0 * sigma) + np.outer(x, x) * (np.dot(x, Dx) / (4.0 * sigma**3))
+    return result
 
 
 def condition_phi(A: Array, u: Array) -> float:
@@ -150,7 +154,8 @@ def condition_gradient(A: Array, u: Array) -> Array:
     low = max(lam[0], 1e-14 * lam[-1])
     x, z = V[:, 0].copy(), V[:, -1].copy()
     value = -np.sqrt(low / lam[-1])
-    return 0.5 * value * (np.outer(x, x) / low - np.outer(z, z) / lam[-1])
+    result: Array = 0.5 * value * (np.outer(x, x) / low - np.outer(z, z) / lam[-1])
+    return result
 
 
 def condition_curvature(A: Array, u: Array, D: Array) -> Array:
@@ -175,4 +180,5 @@ def condition_curvature(A: Array, u: Array, D: Array) -> Array:
     inner = np.outer(x, x) / low - np.outer(z, z) / high
     d_inner = (np.outer(dx, x) + np.outer(x, dx)) / low - np.outer(x, x) * (d_low / low**2)
     d_inner -= (np.outer(dz, z) + np.outer(z, dz)) / high - np.outer(z, z) * (d_high / high**2)
-    return 0.5 * (d_value * inner + value * d_inner)
+    result: Array = 0.5 * (d_value * inner + value * d_inner)
+    return result

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualarm_pin.indices.index import Array, Index
+from dualarm_pin.indices.index import Array, Index, as_array
 
 
 def force(
@@ -14,7 +14,15 @@ def force(
     joint_centre: float = 0.0,
 ) -> Index:
     """Return the paper's index (8), (14): c = 1/alpha^2 = u^T A u, lower is better."""
-    return Index("force", force_phi, force_gradient, force_curvature, task_weights, joint_weights, joint_centre)
+    return Index(
+        "force",
+        force_phi,
+        force_gradient,
+        force_curvature,
+        as_array(task_weights),
+        as_array(joint_weights),
+        joint_centre,
+    )
 
 
 def velocity(
@@ -28,7 +36,14 @@ def velocity(
     alone. At a singular A the value is infinite.
     """
     return Index(
-        "velocity", velocity_phi, velocity_gradient, velocity_curvature, task_weights, joint_weights, joint_centre, "1/m^2"
+        "velocity",
+        velocity_phi,
+        velocity_gradient,
+        velocity_curvature,
+        as_array(task_weights),
+        as_array(joint_weights),
+        joint_centre,
+        "1/m^2",
     )
 
 

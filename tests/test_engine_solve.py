@@ -1,0 +1,416 @@
+"""The interior point on the paper's task and on hard cases."""
+
+from __future__ import annotations
+
+import warnings
+
+import numpy as np
+import pinocchio as pin
+import pytest
+from engine_cases import TABLE_I, ns16_pair, paper_problem, random_pair, random_problem
+
+from dualarm_pin import indices
+from dualarm_pin.engine.chain import chain_from_model, move_base
+from dualarm_pin.engine.solve import (
+    CONVERGED,
+    INFEASIBLE,
+    ITERATION_LIMIT,
+    NOT_RUN,
+    STATUS,
+    Options,
+    evaluate,
+    problem_data,
+    solve,
+    solve_batch,
+)
+from dualarm_pin.errors import InputError, ShapeError
+
+MIDDLE = 15
+LOWER, UPPER = np.tile(TABLE_I[:, 0], 2), np.tile(TABLE_I[:, 1], 2)
+
+
+@pytest.fixture(scope="module")
+def paper():
+    return paper_problem()
+
+
+@pytest.fixture(scope="module")
+def anchor(paper):
+    """The best posture of the middle point alone, from a hundred starts."""
+    starts = np.random.default_rng(0).uniform(LOWER, UPPER, (100, 1, 12))
+    batch = solve_batch(paper, starts, jobs=1, first=np.full(100, MIDDLE))
+    assert (batch.status == CONVERGED).mean() > 0.7
+    cost = np.where(batch.feasible(), batch.objective, np.inf)
+    return batch.q[np.argmin(cost), 0]
+
+
+@pytest.fixture(scope="module")
+def best(paper, anchor):
+    return solve(paper, np.tile(anchor, (31, 1)))
+
+
+def kkt(data, outcome):
+    """Return the largest KKT residual of an outcome, from its own multipliers."""
+    at = evaluate(data, outcome.q)
+    slope = at.gradient + np.einsum("ir,irk->ik", outcome.pose_multipliers, at.jacobian)
+    slope += outcome.upper_multipliers - outcome.lower_multipliers
+    slack = np.concatenate([outcome.q - data.lower, data.upper - outcome.q])
+    z = np.concatenate([outcome.lower_multipliers, outcome.upper_multipliers])
+    return max(np.abs(slope).max(), np.abs(at.residual).max(), np.abs(z * slack).max())
+
+
+def test_paper_reaches_best_known(paper, best):
+    assert best.message == "converged"
+    polished = solve(paper, best.q, Options.warm(1e-10), warm=best)
+    assert polished.converged
+    assert polished.objective == pytest.approx(12.7309, abs=1e-4)
+    assert polished.residual < 1e-9
+    assert kkt(paper, polished) < 1e-8
+    assert (polished.q >= data_bounds(paper)[0]).all()
+    assert (polished.q <= data_bounds(paper)[1]).all()
+    assert polished.objective == pytest.approx(evaluate(paper, polished.q).objective, abs=1e-12)
+
+
+def data_bounds(data):
+    return data.lower, data.upper
+
+
+def test_six_points_of_the_paper():
+    whole = paper_problem()
+    at = [0, 6, 12, 18, 24, 30]
+    points = whole.points
+    data = whole._replace(
+        points=points._replace(
+            position=points.position[at],
+            quaternion=points.quaternion[at],
+            target_axes=points.target_axes[at],
+            rows=points.rows[at],
+            u=points.u[at],
+            index_weight=points.index_weight[at],
+            linear=points.linear[at],
+            link_weight=np.array([1.5] * 5 + [0.0]),
+        )
+    )
+    starts = np.random.default_rng(1).uniform(LOWER, UPPER, (60, 1, 12)).repeat(6, axis=1)
+    batch = solve_batch(data, starts, jobs=2)
+    assert batch.feasible().mean() > 0.6
+    assert batch.objective[batch.feasible()].min() > 4.0377
+
+
+def test_batch_is_the_same_for_any_number_of_jobs(paper):
+    starts = np.random.default_rng(3).uniform(LOWER, UPPER, (24, 1, 12)).repeat(31, axis=1)
+    one, four = solve_batch(paper, starts, jobs=1), solve_batch(paper, starts, jobs=4)
+    assert np.array_equal(one.q, four.q)
+    assert np.array_equal(one.status, four.status)
+    alone = solve(paper, starts[7])
+    assert np.array_equal(alone.q, one[7].q)
+    assert alone.objective == one[7].objective
+
+
+def test_interrupted_batch_keeps_what_is_finished(paper):
+    starts = np.random.default_rng(3).uniform(LOWER, UPPER, (8, 1, 12)).repeat(31, axis=1)
+    stop = np.ones(1, dtype=np.int64)
+    batch = solve_batch(paper, starts, jobs=2, interrupt=stop)
+    assert batch.interrupted
+    assert (batch.status == NOT_RUN).all()
+    assert not batch.feasible().any()
+    assert STATUS[NOT_RUN] == "not run"
+
+
+def test_windows_are_problems_of_their_own(paper, best):
+    """A window from the middle has its own links, and no ends but the path's."""
+    ends = paper_problem(before=best.q[0] + 0.1, before_weight=2.0)
+    starts = best.q[None, 4:10]
+    inside = solve_batch(ends, starts, first=[4])[0]
+    alone = paper_problem()
+    points = alone.points
+    cut = {
+        name: getattr(points, name)[4:10].copy() for name in points._fields if name != "end_weight"
+    }
+    alone = alone._replace(points=points._replace(**cut))
+    assert np.array_equal(inside.q, solve(alone, starts[0]).q)
+    first = solve_batch(ends, best.q[None, :6], first=[0])[0]
+    free = solve_batch(paper, best.q[None, :6], first=[0])[0]
+    assert np.abs(first.q - free.q).max() > 1e-3
+
+
+def test_fixed_neighbours_are_links(paper, best):
+    """The inner points of the best path, its ends fixed, are optimal too (eq. 20)."""
+    inner = solve(paper, best.q, Options.warm(1e-9), warm=best)
+    points = paper.points
+    cut = {
+        name: getattr(points, name)[7:12].copy() for name in points._fields if name != "end_weight"
+    }
+    data = paper._replace(
+        points=points._replace(**cut, end_weight=np.array([3.0, 3.0])),
+        end=np.stack([inner.q[6], inner.q[12]]),
+    )
+    rng = np.random.default_rng(0)
+    again = solve(data, inner.q[7:12] + rng.uniform(-0.05, 0.05, (5, 12)), Options(1e-9))
+    assert again.converged
+    assert np.abs(again.q - inner.q[7:12]).max() < 1e-5
+
+
+def test_linear_term_moves_the_optimum(paper, best):
+    """Envelope theorem: d(optimum) / d(theta) along a direction is sum(direction * q)."""
+    direction = np.zeros((31, 12))
+    direction[10] = np.random.default_rng(0).normal(size=12)
+    base = solve(paper, best.q, Options.warm(1e-10), warm=best)
+    step = 1e-4
+    tilted = [
+        solve(
+            paper_problem(linear=sign * step * direction),
+            base.q,
+            Options.warm(1e-10),
+            warm=base,
+        )
+        for sign in (1, -1)
+    ]
+    slope = (tilted[0].objective - tilted[1].objective) / (2 * step)
+    assert slope == pytest.approx(np.sum(direction * base.q), rel=1e-5)
+
+
+def test_warm_start_after_moving_the_base(paper, best):
+    """One centimetre: few iterations, and the same optimum as from cold."""
+    moved = pin.SE3(np.eye(3), np.array([0.01, 0.0, 0.0]))
+    data = paper_problem(chain=move_base(paper.chain, moved))
+    warm = solve(data, best.q, warm=best)
+    cold = solve(data, best.q)
+    assert warm.converged
+    assert warm.iterations <= 15
+    assert warm.objective == pytest.approx(cold.objective, abs=1e-4)
+    assert abs(warm.objective - best.objective) > 1e-3
+
+
+def test_move_base_equals_a_moved_model():
+    motion = pin.SE3(pin.exp3(np.array([0.1, -0.2, 0.3])), np.array([0.1, 0.2, -0.3]))
+    turned = pin.SE3(pin.utils.rotate("z", np.pi), np.array([2.5, 0, 0]))
+    chain = move_base(chain_from_model(*ns16_pair()), motion)
+    direct = chain_from_model(*ns16_pair(motion * turned))
+    q = np.random.default_rng(0).uniform(LOWER, UPPER)[None]
+    at = [
+        evaluate(paper_problem(points=(13, 5, 13), chain=c), q.repeat(31, axis=0))
+        for c in (chain, direct)
+    ]
+    assert np.allclose(at[0].residual, at[1].residual, atol=1e-12)
+    assert np.allclose(at[0].J_r, at[1].J_r, atol=1e-12)
+
+
+def test_fixed_variable_stays_and_counts(paper, anchor):
+    """Equal bounds hold a joint exactly, and its column still counts in the index."""
+    lower, upper = LOWER.copy(), UPPER.copy()
+    lower[5] = upper[5] = anchor[5]
+    lower[8] = upper[8] = anchor[8] + 0.05
+    data = paper_problem(lower=lower, upper=upper)
+    outcome = solve(data, np.tile(anchor, (31, 1)))
+    assert outcome.converged
+    assert np.array_equal(outcome.q[:, 5], np.full(31, anchor[5]))
+    assert np.array_equal(outcome.q[:, 8], np.full(31, anchor[8] + 0.05))
+    J = evaluate(data, outcome.q).J_r
+    c = np.einsum("ir,irk->ik", data.points.u, J)
+    values = evaluate(data, outcome.q).values
+    assert values == pytest.approx((c**2).sum(axis=1))
+
+
+def test_free_spin_and_position_only_are_cheaper(paper, best):
+    for rows, below in ((5, best.objective), (3, best.objective)):
+        data = paper_problem(rows=np.full(31, rows))
+        outcome = solve(data, best.q)
+        assert outcome.converged
+        assert outcome.objective < below - 0.1
+    mixed = solve(paper_problem(rows=np.tile([6, 5, 3], 11)[:31]), best.q)
+    assert mixed.converged
+    assert mixed.objective < best.objective
+
+
+@pytest.mark.parametrize("angle", [np.pi, np.pi - 1e-6, -np.pi])
+@pytest.mark.parametrize("rows", [6, 5])
+def test_a_start_that_faces_the_wrong_way(rows, angle):
+    """A tool turned by half a turn is not a trap."""
+    model = pin.Model()
+    parent = 0
+    for number, joint in enumerate(
+        [pin.JointModelPX(), pin.JointModelPY(), pin.JointModelPZ(), pin.JointModelRZ(),
+         pin.JointModelRY(), pin.JointModelRX()]
+    ):  # fmt: skip
+        parent = model.addJoint(parent, joint, pin.SE3.Identity(), f"j{number}")
+    e2 = model.addFrame(pin.Frame("tip", parent, pin.SE3.Identity(), pin.FrameType.BODY))
+    data = problem_data(
+        chain_from_model(model, 0, e2),
+        indices.force(),
+        [[0.1, 0.2, 0.3]],
+        [np.eye(3)],
+        rows=[rows],
+        lower=np.full(6, -7.0),
+        upper=np.full(6, 7.0),
+    )
+    start = np.array([[0.1, 0.2, 0.3, 0.0, 0.01, angle]])
+    outcome = solve(data, start)
+    assert outcome.converged
+    assert outcome.residual < 1e-7
+
+
+def test_one_point_without_freedom_left():
+    """Six joints, six rows: nothing to choose, the inverse kinematics is found."""
+    model, e1, e2 = random_pair(8, (3, 3), prismatic=0.0)
+    rng = np.random.default_rng(0)
+    q = rng.uniform(-1, 1, 6)
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    T = data.oMf[e1].actInv(data.oMf[e2])
+    stated = problem_data(
+        chain_from_model(model, e1, e2),
+        indices.force(),
+        T.translation[None],
+        T.rotation[None],
+        u=[[1, 0, 0, 0, 0, 0]],
+        lower=np.full(6, -2.0),
+        upper=np.full(6, 2.0),
+    )
+    outcome = solve(stated, q[None] + rng.uniform(-0.2, 0.2, (1, 6)))
+    assert outcome.converged
+    assert np.abs(outcome.q - q).max() < 1e-5
+
+
+@pytest.mark.parametrize("joints", [(2, 2), (0, 3), (1, 0)])
+def test_fewer_joints_than_rows(joints):
+    """Over-determined: right where the pose can be met, infeasible where it cannot."""
+    model, e1, e2 = random_pair(9, joints, prismatic=0.0)
+    q = np.random.default_rng(0).uniform(-1, 1, model.nv)
+    data = model.createData()
+    pin.framesForwardKinematics(model, data, q)
+    T = data.oMf[e1].actInv(data.oMf[e2])
+
+    def stated(shift):
+        return problem_data(
+            chain_from_model(model, e1, e2),
+            indices.force(),
+            (T.translation + np.array([0, 0, shift]))[None],
+            T.rotation[None],
+            u=[[1, 0, 0, 0, 0, 0]],
+            lower=np.full(model.nv, -2.0),
+            upper=np.full(model.nv, 2.0),
+        )
+
+    start = q[None] + 0.1
+    met = solve(stated(0.0), start)
+    assert met.residual < 1e-6
+    assert met.converged
+    missed = solve(stated(5.0), start)
+    assert missed.status == INFEASIBLE
+    assert missed.residual > 0.1
+    assert np.isfinite(missed.q).all()
+
+
+def test_unreachable_target_is_infeasible(paper, anchor):
+    data = paper_problem()
+    far = data.points.position + np.array([0.0, 0.0, 9.0])
+    data = data._replace(points=data.points._replace(position=far))
+    outcome = solve(data, np.tile(anchor, (31, 1)))
+    assert outcome.status in (INFEASIBLE, ITERATION_LIMIT)
+    assert outcome.residual > 1.0
+    assert np.isfinite(outcome.q).all()
+    assert np.isfinite(outcome.objective)
+
+
+def test_singular_start_and_repeated_points(paper, anchor):
+    """All joints at zero is singular; points that coincide are points like others."""
+    data = paper_problem()
+    points = data.points
+    same = [0, 0, 0, 1, 1, 30]
+    cut = {n: getattr(points, n)[same].copy() for n in points._fields if n != "end_weight"}
+    data = data._replace(points=points._replace(**cut))
+    outcome = solve(data, np.zeros((6, 12)))
+    assert np.isfinite(outcome.q).all()
+    assert outcome.status in range(4)
+    repeated = solve(data, np.tile(anchor, (6, 1)))
+    assert repeated.converged
+    assert np.abs(repeated.q[0] - repeated.q[2]).max() < 0.2
+
+
+def test_iteration_limit_reports_the_residual_of_the_last_iterate(paper, anchor):
+    outcome = solve(paper, np.tile(anchor, (31, 1)), Options(iterations=3))
+    assert outcome.message == "iteration limit"
+    assert outcome.iterations == 3
+    assert outcome.residual == np.abs(evaluate(paper, outcome.q).residual).max()
+    none = solve(paper, np.tile(anchor, (31, 1)), Options(iterations=0))
+    assert none.residual == np.abs(evaluate(paper, none.q).residual).max()
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_random_problems_end_with_true_numbers(seed):
+    """Whatever happens, what is reported is what is true at the q returned."""
+    data = random_problem(seed, indices.force())
+    start = np.random.default_rng(seed).uniform(-1, 1, (4, len(data.lower)))
+    outcome = solve(data, start)
+    at = evaluate(data, outcome.q)
+    assert np.isfinite(outcome.q).all()
+    assert (outcome.q >= data.lower).all()
+    assert (outcome.q <= data.upper).all()
+    assert outcome.residual == pytest.approx(np.abs(at.residual).max(), abs=1e-12)
+    assert outcome.objective == pytest.approx(at.objective, abs=1e-9)
+    if outcome.converged:
+        assert kkt(data, outcome) < 1e-4
+
+
+@pytest.mark.parametrize(
+    "index",
+    [
+        indices.velocity(task_weights=[1, 1, 1, 0.1, 0.1, 0.1]),
+        indices.yoshikawa(task_weights=[1, 1, 1, 0.1, 0.1, 0.1]),
+        indices.force(joint_centre=0.1),
+    ],
+    ids=lambda i: i.name,
+)
+def test_other_indices_are_solved(index):
+    data = paper_problem(index)
+    starts = np.random.default_rng(1).uniform(LOWER, UPPER, (8, 1, 12)).repeat(31, axis=1)
+    batch = solve_batch(data, starts)
+    assert (batch.status == CONVERGED).sum() >= 4
+    outcome = batch[int(np.argmax(batch.status == CONVERGED))]
+    assert kkt(data, outcome) < 1e-5
+
+
+def test_user_index_in_numba_and_in_python(anchor):
+    """An index that numba cannot compile runs as Python and gives the same answer."""
+    written = indices.force()
+    names: dict[str, float] = {}
+
+    def slow(A, u):
+        names.setdefault("calls", 0.0)  # a dictionary of the outer scope: not for numba
+        return float(u @ A @ u)
+
+    plain = indices.custom("plain", written.phi)
+    data = paper_problem(plain, points=(3, 1, 3))
+    start = np.tile(anchor, (7, 1))
+    expected = solve(paper_problem(points=(3, 1, 3)), start)
+    assert solve(data, start).objective == pytest.approx(expected.objective, abs=1e-5)
+    python = indices.custom("slow", slow, written.gradient, written.curvature)
+    with pytest.warns(UserWarning, match="index 'slow' cannot be compiled and runs as Python"):
+        data = paper_problem(python, points=(3, 1, 3))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        assert solve(data, start).objective == pytest.approx(expected.objective, abs=1e-9)
+
+
+def test_messages(paper):
+    with pytest.raises(ShapeError, match=r"start: has shape \(2, 12\), not \(31, 12\)"):
+        solve(paper, np.zeros((2, 12)))
+    with pytest.raises(InputError, match=r"start: is not finite at \[3, 4\]"):
+        start = np.zeros((31, 12))
+        start[3, 4] = np.nan
+        solve(paper, start)
+    with pytest.raises(InputError, match="position: is not finite"):
+        problem_data(
+            paper.chain, indices.force(), [[np.nan, 0, 0]], [np.eye(3)], lower=LOWER, upper=UPPER
+        )
+    with pytest.raises(InputError, match=r"lower: column 2 has lower bound .* above"):
+        paper_problem(lower=np.where(np.arange(12) == 2, 3.0, LOWER))
+    with pytest.raises(InputError, match=r"rows: has \[4, 6\]: allowed are 6, 5 and 3"):
+        paper_problem(rows=[4] + [6] * 30)
+    with pytest.raises(
+        InputError, match=r"first: windows of 2 points from 30 \.\. 30 leave the path"
+    ):
+        solve_batch(paper, np.zeros((1, 2, 12)), first=[30])
+    with pytest.raises(InputError, match=r"tolerance: is 0\.0, must be above 0"):
+        solve(paper, np.zeros((31, 12)), Options(tolerance=0.0))
