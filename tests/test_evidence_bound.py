@@ -115,11 +115,11 @@ def test_of_many_highest_points_the_nearest_is_taken() -> None:
 
 def test_old_planes_fall_out_but_the_incumbent_stays() -> None:
     many = planes([5.0], [[0.0]])
-    for number in range(30):
+    for number in range(60):
         many.add(planes([10.0 + number] * 20, [[0.0]] * 20))
-    assert len(many.offset) == len(many.slope) == len(many.path) == 400
+    assert len(many.offset) == len(many.slope) == len(many.path) == 800
     assert many.lowest(np.zeros(1)) == 5.0
-    assert many.offset[-1] == 39.0
+    assert many.offset[-1] == 69.0
 
 
 def test_the_bound_is_below_every_path_and_near_the_best(best: Array, bound: Bound) -> None:

@@ -112,24 +112,27 @@ class Ascent:
     def climb(self, progress: Progress = SILENT) -> None:
         """Raise the multipliers until the model promises no more, by the cheap search."""
         radius = self.options.radius
-        self.value = self._evaluate(self.theta)
+        self._evaluate(self.theta)
         for _ in range(self.options.steps if self.cuts else 0):
+            # A path found at other multipliers may have lowered the value here.
+            self.value = self._model(self.theta)
+            if self.objective - self.value <= self._level(self.options.closed):
+                return
             planes = [piece.planes for piece in self.pieces]
             flat, height = highest(planes, self.theta.ravel(), radius)
             promised = height - self.value
             if promised <= self._level(self.options.closed / 10.0):
-                break
+                return
             theta = flat.reshape(self.theta.shape)
             gained = self._evaluate(theta) - self.value
             progress.advance()
             if gained >= 0.1 * promised:
                 self._recover(theta)
-                self.theta, self.value = theta, self.value + gained
+                self.theta = theta
                 radius *= 2.0 if gained >= 0.5 * promised else 1.0
             elif gained < -promised:
                 radius /= 2.0
-            if self.objective - self.value <= self._level(self.options.closed):
-                break
+        self.value = self._model(self.theta)
 
     def recheck(self, number: int, *, to_the_end: bool) -> list[WideSearch] | None:
         """Search every piece widely at the multipliers reached, and correct the value.
@@ -151,6 +154,9 @@ class Ascent:
         self.value = sum(wide.value for wide in wides)
         lower = any(wide.value < wide.believed - level for wide in wides)
         return None if lower and not to_the_end else wides
+
+    def _model(self, theta: Array) -> float:
+        return sum(piece.planes.lowest(theta.ravel()) for piece in self.pieces)
 
     def _evaluate(self, theta: Array) -> float:
         self.count += 1

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_MOST_PLANES = 400
+_MOST_PLANES = 800
 
 
 @dataclass
