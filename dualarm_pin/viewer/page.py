@@ -12,7 +12,16 @@ from dualarm_pin.errors import MissingFileError
 from dualarm_pin.viewer.blob import squeeze
 
 _WEB = Path(__file__).with_name("web")
-_PLAYER = ("core.js", "robot.js", "marks.js", "view.js", "stage.js", "chart.js", "player.js")
+_PLAYER = (
+    "core.js",
+    "robot.js",
+    "marks.js",
+    "view.js",
+    "stage.js",
+    "chart.js",
+    "player.js",
+    "panel.js",
+)
 
 
 def render_page(
