@@ -92,6 +92,9 @@ def test_time_counts_the_limit_where_nothing_was_found():
 def test_a_map_marks_the_least_and_hatches_what_was_not_found():
     svg = map_chart({(0.0, 0.0): 1.0, (1.0, 0.0): 0.5, (0.0, 1.0): None}, "x", "y<", "c")
     assert svg.count('class="least"') == 1 and svg.count('fill="url(#none)"') == 1
+    crossed = map_chart({(0.0, 0.0): 1.0, (1.0, 0.0): 0.5}, "x", "y", "c", [(1.0, 0.0)])
+    assert crossed.count('class="cross"') == 2
+    assert 'class="least"><title>x 0, y 0: 1<' in crossed
     assert "y&lt;" in svg and "x 1, y&lt; 0: 0.5" in svg
 
 

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from html import escape
 
 Points = Sequence[tuple[float, float]]
+Place = tuple[float, float]
 # Okabe and Ito without black; dashes for those who see no colour.
 COLOURS = ("#0072B2", "#D55E00", "#009E73", "#CC79A7", "#E69F00", "#56B4E9", "#8a8f98")
 DASHES = ("", "9 4", "3 3", "10 3 2 3", "5 2 2 2 2 2", "14 5", "1 3")
@@ -71,19 +72,25 @@ def legend(names: Sequence[str]) -> str:
 
 
 def map_chart(
-    values: Mapping[tuple[float, float], float | None], label_x: str, label_y: str, quantity: str
+    values: Mapping[Place, float | None],
+    label_x: str,
+    label_y: str,
+    quantity: str,
+    crossed: Collection[Place] = (),
 ) -> str:
-    """Return a map of squares over two axes; empty squares are hatched, the least is marked.
+    """Return a map of squares over two axes; empty squares are hatched, the least is framed.
 
     Args:
         values: Value by (x, y); None where nothing was found.
         label_x: What the horizontal axis says.
         label_y: What the vertical axis says.
         quantity: What the colours stand for.
+        crossed: Squares with a cross, which cannot be the least.
     """
     xs, ys = sorted({x for x, _ in values}), sorted({y for _, y in values})
     known = [value for value in values.values() if value is not None]
     low, high = (min(known), max(known)) if known else (0.0, 1.0)
+    least = min((v for p, v in values.items() if v is not None and p not in crossed), default=None)
     right = 92  # room for the colour bar
     width, height = _WIDTH - _LEFT - right, max(200.0, 26.0 * len(ys))
     total = height + _TOP + _BOTTOM
@@ -98,12 +105,17 @@ def map_chart(
         top = _TOP + height - (ys.index(y) + 1) * dy
         fill = "url(#none)" if value is None else _colour(value, low, high)
         shown = "nothing found" if value is None else f"{value:.4g}"
-        least = ' class="least"' if value is not None and value == low else ""
+        bad = (x, y) in crossed
+        frame = ' class="least"' if value is not None and value == least and not bad else ""
         parts.append(
             f'<rect x="{left:.1f}" y="{top:.1f}" width="{dx - 1:.1f}" height="{dy - 1:.1f}" '
-            f'fill="{fill}"{least}><title>{escape(f"{label_x} {x:g}, {label_y} {y:g}: {shown}")}'
+            f'fill="{fill}"{frame}><title>{escape(f"{label_x} {x:g}, {label_y} {y:g}: {shown}")}'
             "</title></rect>"
         )
+        if bad:
+            far, bottom = left + dx - 1, top + dy - 1
+            parts.append(_line(left, top, far, bottom, "cross"))
+            parts.append(_line(left, bottom, far, top, "cross"))
     for i, x in enumerate(xs):
         if i % math.ceil(len(xs) / 8) == 0:
             parts.append(_text(_LEFT + (i + 0.5) * dx, _TOP + height + 16, f"{x:.4g}", "middle"))

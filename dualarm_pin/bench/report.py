@@ -96,20 +96,22 @@ def _count(number: int, noun: str) -> str:
 def _maps(maps: Sequence[MapEntry], rows: Sequence[dict[str, Any]]) -> str:
     parts = []
     for chart in maps:
-        values: dict[tuple[float, float], float | None] = {}
+        best: dict[tuple[float, float], dict[str, Any] | None] = {}
         for row in rows:
             place = (float(row["set"][chart.x]), float(row["set"][chart.y]))
+            known = best.setdefault(place, None)
             value = row.get(chart.of) if row["found"] else None
-            before = values.get(place)
-            if before is not None and (value is None or value >= before):
-                continue
-            values[place] = value
-        if values:
-            drawn = map_chart(values, chart.label_x or chart.x, chart.label_y or chart.y, chart.of)
-            parts.append(
-                f"<figure>{drawn}<figcaption>Best {escape(chart.of)} of the runs that were found, "
-                "within all bounds; the frame marks the least</figcaption></figure>"
-            )
+            if value is not None and (known is None or value < known[chart.of]):
+                best[place] = row
+        values = {place: None if row is None else row[chart.of] for place, row in best.items()}
+        collides = [p for p, row in best.items() if row and (row["min_clearance"] or 1.0) <= 0.0]
+        labels = chart.label_x or chart.x, chart.label_y or chart.y
+        parts.append(
+            f"<figure>{map_chart(values, *labels, chart.of, collides)}"
+            f"<figcaption>Best {escape(chart.of)} of the runs that were found, within all bounds. "
+            "Crossed: links touch there; hatched: nothing was found; framed: the least that is "
+            "free.</figcaption></figure>"
+        )
     return f"<h2>Maps</h2>{''.join(parts)}" if parts else ""
 
 
@@ -178,10 +180,11 @@ def _scene(batch: Batch) -> tuple[Scene | None, list[str], int]:
     return (scene if labels else None), labels, len(best) - len(labels)
 
 
-def _order(row: dict[str, Any], other: dict[str, Any]) -> tuple[float, float]:
-    """Objectives decide within a variant; between variants they differ in kind, indices do not."""
-    same = row["variant"] == other["variant"]
-    return (row["objective"] if same else row["mean_index"], row["seed"])
+def _order(row: dict[str, Any], other: dict[str, Any]) -> tuple[bool, float, float]:
+    """Objectives decide within a variant; between variants what is free, then the mean index."""
+    if row["variant"] == other["variant"]:
+        return False, row["objective"], row["seed"]
+    return (row["min_clearance"] or 1.0) <= 0.0, row["mean_index"], row["seed"]
 
 
 def _stage(labels: Sequence[str], left_out: int) -> str:
@@ -191,7 +194,7 @@ def _stage(labels: Sequence[str], left_out: int) -> str:
     return (
         "<h2>Motions</h2>"
         '<p class="quiet">The best trajectory of each task: lowest objective of those found; over '
-        f"variants the lowest mean index. Choose under “Runs”.{more}</p>"
+        f"variants the lowest mean index that is free of collision. Choose under “Runs”.{more}</p>"
         '<section id="player" class="player whole" aria-label="Animation"></section>'
         "<noscript>The robots are drawn with JavaScript: please switch it on.</noscript>"
     )

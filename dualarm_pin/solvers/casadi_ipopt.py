@@ -25,13 +25,10 @@ Array = NDArray[np.float64]
 Plugin = Literal["ipopt", "fatrop"]
 PLUGINS: tuple[Plugin, ...] = get_args(Plugin)
 _OPTIONS: dict[str, dict[str, Any]] = {
-    # Expanded to scalar operations: seconds to build, then four times faster an iteration.
     "ipopt": {
-        "expand": True,
         "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-8, "max_iter": 1000},
     },
     "fatrop": {
-        "expand": True,
         "structure_detection": "manual",
         # At 1e-8 it often stops short of its own tolerance, at the same objective to 1e-6.
         "fatrop": {"print_level": 0, "tol": 1e-6, "max_iter": 1000},
@@ -54,14 +51,22 @@ def solve(problem: Problem, start: Array, plugin: str = "ipopt", *, number: int 
     return build(problem, plugin).solve(start, number=number)
 
 
-def build(problem: Problem, plugin: str = "ipopt") -> Programme:
-    """Return the programme of a problem, built once; the errors are those of `solve`."""
+def build(problem: Problem, plugin: str = "ipopt", *, expand: bool = True) -> Programme:
+    """Return the programme of a problem, built once; the errors are those of `solve`.
+
+    Args:
+        problem: The problem.
+        plugin: `ipopt` or `fatrop`.
+        expand: Expand it to scalar operations: seconds more to build, then about four times
+            faster an iteration. Without it every point is a call of one function.
+    """
     if plugin not in PLUGINS:
         raise UnknownNameError(f"no such plugin: {nearest(plugin, PLUGINS)}", field=plugin)
     built = _BUILT.setdefault(problem, {})
-    if plugin not in built:
-        built[plugin] = Programme(problem, plugin)
-    return built[plugin]
+    name = f"{plugin} {expand}"
+    if name not in built:
+        built[name] = Programme(problem, plugin, expand)
+    return built[name]
 
 
 class Programme:
@@ -71,13 +76,14 @@ class Programme:
     the form its recursion needs: states x_i, controls s_i = x_{i+1} - x_i.
     """
 
-    def __init__(self, problem: Problem, plugin: str) -> None:
+    def __init__(self, problem: Problem, plugin: str, expand: bool = True) -> None:
         ca = import_casadi()
         begun = time.perf_counter()
         # A strong reference would keep the problem, and with it this programme, for good.
         self._problem = weakref.ref(problem)
         self.plugin = plugin
-        options = {"print_time": False, "error_on_fail": False} | _OPTIONS[plugin]
+        options = {"print_time": False, "error_on_fail": False, "expand": expand}
+        options |= _OPTIONS[plugin]
         k, n = problem.k, problem.n
         terms = _Terms(ca, problem)
         if plugin == "ipopt":
