@@ -185,8 +185,18 @@ def test_a_crippled_search_claims_too_much_until_the_wide_search_corrects_it(bes
     assert ascent.value <= objective + 1e-9
     again = Ascent(problem, [wrong], (2,), seed=0, jobs=2, options=crippled)
     result = again.run(SILENT)
+    assert result is not None
     assert result.value < believed
     assert result.value <= objective + 1e-9
+
+
+def test_cuts_whose_pieces_are_hard_to_search_are_left_if_others_may_do_better() -> None:
+    problem = six_points()
+    minima = minima_of_six().ends
+    wrong = minima.q[np.flatnonzero(minima.objective > 1.2 * minima.objective[0])[0]]
+    crippled = replace(SMALL, search=replace(SMALL.search, pool=1, cheap=0, postures=1), steps=0)
+    ascent = Ascent(problem, [wrong], (2,), seed=0, jobs=2, options=crippled)
+    assert ascent.run(SILENT, may_give_up=True) is None
 
 
 @pytest.mark.parametrize("points", [[0, 12], [0, 12, 24]])

@@ -29,6 +29,8 @@ class BoundOptions:
         rounds: Most re-checks of one set of cuts.
         closed: Relative gap at which the multipliers are good enough.
         enough: Relative gap at which no other set of cuts is tried.
+        hopeless: Relative gap at which a set of cuts is left, if its pieces prove hard to search.
+        patience: Re-checks before that.
         radius: First half-width of the box of a step, in objective per rad or m.
     """
 
@@ -37,6 +39,8 @@ class BoundOptions:
     rounds: int = 6
     closed: float = 1e-5
     enough: float = 1e-3
+    hopeless: float = 1e-2
+    patience: int = 2
     radius: float = 0.5
 
 
@@ -89,10 +93,15 @@ class Ascent:
         self.value = -np.inf
         self.count = 0
 
-    def run(self, progress: Progress) -> Rechecked:
+    def run(self, progress: Progress, *, may_give_up: bool = False) -> Rechecked | None:
         """Climb until a re-check finds no piece lower than believed; return what it found.
 
         The re-check of the last round stands, whatever it finds.
+
+        Args:
+            progress: Told of every step.
+            may_give_up: Return None where a re-check found a piece lower and leaves a gap that
+                other cuts should close better.
         """
         for piece in self.pieces:
             piece.prepare(self.theta)
@@ -102,6 +111,9 @@ class Ascent:
             wides = self.recheck(number, to_the_end=number == self.options.rounds)
             if wides is not None:
                 break
+            wide_gap = self.objective - self.value > self._level(self.options.hopeless)
+            if may_give_up and number >= self.options.patience and wide_gap:
+                return None
         assert wides is not None  # the last round's
         return Rechecked(
             value=self.value,

@@ -34,7 +34,7 @@ class Bound:
         starts: Starts of the wide search of each piece.
         hits: How many of them ended at the piece's minimum.
         seconds: Wall time.
-        tried: Re-checked value by set of cuts.
+        tried: Re-checked value by set of cuts; those that were given up are left out.
         better: A better path (k, n) found on the way, polished; None if there was none.
         replaced: Objective of the incumbent before a better path took its place; None if none did.
         complete: False if Ctrl-C ended it early.
@@ -96,12 +96,15 @@ def lower_bound(
     best: Bound | None = None
     tried: dict[Cuts, float] = {}
     try:
-        for cuts in cut_sets(problem):
+        sets = cut_sets(problem)
+        for cuts in sets:
             progress.stage(f"lower bound, {len(cuts) + 1} pieces")
             known = [q] if better is None else [better, q]
             ascent = Ascent(problem, known, cuts, seed=seed, jobs=jobs, options=options)
-            result = ascent.run(progress)
+            result = ascent.run(progress, may_give_up=best is not None or cuts != sets[-1])
             better = better if ascent.better is None else ascent.better
+            if result is None:
+                continue
             tried[cuts] = result.value
             if best is None or result.value > best.value:
                 best = Bound(result.value, ascent.objective, cuts, result.starts, result.hits)
