@@ -17,7 +17,7 @@ from dualarm_pin.engine.newton import newton_step
 
 _GAMMA_VIOLATION, _GAMMA_OBJECTIVE, _ARMIJO = 1e-5, 1e-8, 1e-4
 _SWITCH_SLOPE, _SWITCH_VIOLATION = 2.3, 1.1
-_ROUNDING = 2.2e-15
+_ROUNDING = 1e-13  # of 1 + |barrier objective|
 _HALVINGS = 25
 
 REJECTED, DESCENT, FEASIBILITY = 0, 1, 2
@@ -143,7 +143,7 @@ def judge(
     after = trial.objective - mu * trial.logs
     if not (trial.violation <= limits.large and math.isfinite(after)):
         return REJECTED
-    rounding = _ROUNDING * abs(before)
+    rounding = _ROUNDING * (1.0 + abs(before))
     for pair in range(filtered):
         if trial.violation >= pairs[pair, 0] and after - rounding >= pairs[pair, 1]:
             return REJECTED

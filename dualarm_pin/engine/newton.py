@@ -143,6 +143,8 @@ def newton_step(problem: Problem, work: Workspace, step: Floats) -> None:
             length = reduced[i, a]
             for k in range(n):
                 step[i, k] += length * basis[i, rank + a, k]
+        for k in problem.fixed:
+            step[i, k] = 0.0  # not quite, after the mirrors
 
 
 @inlined
