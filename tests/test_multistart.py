@@ -11,6 +11,7 @@ import pytest
 from dualarm_pin.evidence.laws import count_laws
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.multistart.anchored import AnchoredSearch, anchor_points
+from dualarm_pin.multistart.coarse import coarse_of
 from dualarm_pin.multistart.starts import common_postures, generator, independent_postures
 from dualarm_pin.multistart.whole import WholePathSearch
 from dualarm_pin.multistart.workers import Workers
@@ -47,16 +48,14 @@ def test_anchors_are_first_middle_and_last(k: int, points: tuple[int, ...]) -> N
 
 def test_the_anchored_law_counts_every_posture_once(problem: Problem) -> None:
     search = AnchoredSearch(problem, seed=0)
-    search.grow(40, 2)
-    assert not search.complete()
+    search.grow(40, 4, 2)
     drawn = search.starts_by_path()
     assert drawn is not None
     starts, ends, weight = drawn
     assert starts == 3 * 40
-    assert len(ends) == len(weight) == 6
+    assert len(ends) == len(weight) == 2
     assert 0 < weight.sum() < starts
-    search.grow(40, None)
-    assert search.complete()
+    search.refine_all(40)
     drawn = search.starts_by_path()
     assert drawn is not None
     alone = sum(int(a.alone.converged.sum()) for a in search.anchors if a.alone is not None)
@@ -65,25 +64,40 @@ def test_the_anchored_law_counts_every_posture_once(problem: Problem) -> None:
 
 def test_growing_keeps_what_was_found_and_refines_nothing_twice(problem: Problem) -> None:
     search = AnchoredSearch(problem, seed=1)
-    search.grow(20, 3)
-    first = search.ends()
-    search.grow(60, 5)
-    second = search.ends()
+    search.grow(20, 5, 3)
+    first = search.paths
+    search.grow(60, 10, 6)
+    second = search.paths
     assert first is not None
     assert second is not None
-    for q in first.q:
-        assert any(np.array_equal(q, other) for other in second.q)
+    np.testing.assert_array_equal(second.q[: len(first)], first.q)
+    assert len(first) == 3
+    assert 3 < len(second) <= 6 + 3
     for anchor in search.anchors:
         for i, a in enumerate(anchor.seeds):
-            assert not any(same_path(a, b) for b in anchor.seeds[:i])
+            assert not any(same_path(a.q, b.q) for b in anchor.seeds[:i])
+
+
+def test_the_coarse_path_stands_for_the_whole(problem: Problem) -> None:
+    whole = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
+    coarse = coarse_of(whole)
+    assert coarse.points[0] == 0
+    assert coarse.points[-1] == 30
+    assert coarse.problem.index_weight.sum() == pytest.approx(31)
+    # A path that moves evenly costs the same in links, coarse or whole.
+    ends = np.random.default_rng(0).uniform(-1, 1, (2, 12))
+    even = np.linspace(ends[0], ends[1], 31)
+    links = coarse.problem.coupling(even[coarse.points])[0]
+    assert links == pytest.approx(whole.coupling(even)[0], rel=1e-9)
+    np.testing.assert_allclose(coarse.start(even[coarse.points]), even, atol=1e-12)
 
 
 def test_both_laws_are_counted_against_the_best(problem: Problem) -> None:
     anchored, whole = AnchoredSearch(problem, seed=0), WholePathSearch(problem, seed=0)
-    anchored.grow(60, None)
+    anchored.refine_all(60)
     whole.grow(80)
     assert whole.ends is not None
-    ends = anchored.ends()
+    ends = anchored.paths
     assert ends is not None
     best = ends.q[int(np.argmin(np.where(ends.converged, ends.objective, np.inf)))]
     laws = count_laws(anchored, whole, best)

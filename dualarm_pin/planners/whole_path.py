@@ -33,7 +33,8 @@ class Budget:
 
     Attributes:
         postures: Postures an anchor in the first round; each round doubles them.
-        refinements: Minima of an anchor refined in the first round; each round doubles them.
+        screened: Minima of an anchor solved on the coarse path; each round doubles them.
+        refinements: Distinct coarse minima refined on the whole path; each round doubles them.
         rounds: Most rounds while the anchors disagree.
         starts: Starts of each law, 0 for anchors alone.
         most_starts: Starts of each law at most, while the laws disagree.
@@ -41,7 +42,8 @@ class Budget:
     """
 
     postures: int = 200
-    refinements: int = 10
+    screened: int = 12
+    refinements: int = 3
     rounds: int = 4
     starts: int = 0
     most_starts: int = 0
@@ -157,14 +159,16 @@ class _Search:
         budget = self.budget
         self.progress.stage("anchored starts", budget.rounds)
         for level in range(budget.rounds):
-            self.anchored.grow(budget.postures << level, budget.refinements << level)
+            self.anchored.grow(
+                budget.postures << level, budget.screened << level, budget.refinements << level
+            )
             self.progress.advance()
             if self.anchored.agree():
                 break
         target = budget.starts
         while target:
             self.progress.stage(f"{target} starts by each of two laws", 2)
-            self.anchored.grow(target, None)
+            self.anchored.refine_all(target)
             self.progress.advance()
             self.whole.grow(target)
             self.progress.advance()
@@ -177,7 +181,7 @@ class _Search:
 
     def best(self) -> Array | None:
         """Return the best path (k, n) of all starts so far."""
-        parts = [part for part in (self.anchored.ends(), self.whole.ends) if part is not None]
+        parts = [part for part in (self.anchored.paths, self.whole.ends) if part is not None]
         if not parts:
             return None
         ends = Ends.join(parts)
