@@ -7,6 +7,7 @@ whole path, at a sixth of the price.
 
 from __future__ import annotations
 
+import itertools
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -44,7 +45,7 @@ def coarse_of(problem: Problem) -> Coarse:
     count = min(k, max(LEAST, min(MOST, k // SHARE)))
     points = np.unique(np.round(np.linspace(0, k - 1, count)).astype(np.int64))
     steps = np.diff(points)
-    mean = [problem.link_weight[a:b].mean() for a, b in zip(points, points[1:], strict=False)]
+    mean = [problem.link_weight[a:b].mean() for a, b in itertools.pairwise(points)]
     part = problem.subset(list(points), np.array(mean) / steps**3)
     nearest = np.abs(np.arange(k)[:, None] - points[None]).argmin(axis=1)
     weight = np.zeros(len(points))

@@ -136,11 +136,10 @@ def ensure_compiled(say: Callable[[str], None] = lambda line: None) -> float:
     Args:
         say: Told one line if the engine has to be compiled.
     """
-    try:
-        from dualarm_pin.engine.warm_up import ensure_compiled as run
-    except ImportError:
-        return 0.0
-    return float(run(say))
+    from dualarm_pin.engine.ready import ensure_compiled as run
+
+    report = run(say)
+    return 0.0 if report.from_cache else report.seconds
 
 
 def _chain(cell: Cell) -> Chain:
