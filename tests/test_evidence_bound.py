@@ -194,7 +194,8 @@ def test_cuts_whose_pieces_are_hard_to_search_are_left_if_others_may_do_better()
     problem = six_points()
     minima = minima_of_six().ends
     wrong = minima.q[np.flatnonzero(minima.objective > 1.2 * minima.objective[0])[0]]
-    crippled = replace(SMALL, search=replace(SMALL.search, pool=1, cheap=0, postures=1), steps=0)
+    search = replace(SMALL.search, pool=1, cheap=0, postures=1)
+    crippled = replace(SMALL, search=search, steps=0, patience=1)
     ascent = Ascent(problem, [wrong], (2,), seed=0, jobs=2, options=crippled)
     assert ascent.run(SILENT, may_give_up=True) is None
 
