@@ -11,7 +11,8 @@ import math
 from dualarm_pin.engine.chain import Floats
 from dualarm_pin.engine.compiled import compiled, copy_rows, inlined
 from dualarm_pin.engine.derivatives import point_derivatives, point_value
-from dualarm_pin.engine.layout import Problem, Workspace
+from dualarm_pin.engine.layout import Problem
+from dualarm_pin.engine.workspace import Workspace
 
 _LOG_SAFE = 1e-200
 _ROUNDING = 1e-14  # m, or 2 sin(angle / 2): no posture is met more closely than this

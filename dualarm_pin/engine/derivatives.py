@@ -33,8 +33,9 @@ from dualarm_pin.engine.kinematics import (
     pose_residual,
     rotation_rows,
 )
-from dualarm_pin.engine.layout import FORCE, Problem, Scratch
+from dualarm_pin.engine.layout import FORCE, Problem
 from dualarm_pin.engine.vectors import cross, dot
+from dualarm_pin.engine.workspace import Scratch
 
 
 @compiled

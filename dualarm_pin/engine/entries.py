@@ -8,7 +8,8 @@ from dualarm_pin.engine.compiled import entry, source_stamp
 from dualarm_pin.engine.derivatives import point_value
 from dualarm_pin.engine.interior_point import Settings, solve_one
 from dualarm_pin.engine.kinematics import relative_jacobian
-from dualarm_pin.engine.layout import Points, Problem, Workspace, load_window
+from dualarm_pin.engine.layout import Points, Problem, load_window
+from dualarm_pin.engine.workspace import Workspace
 
 _STAMP = source_stamp()
 

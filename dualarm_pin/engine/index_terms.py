@@ -10,8 +10,9 @@ from dualarm_pin.engine.calls import call_with_3, call_with_4
 from dualarm_pin.engine.chain import VARIABLE, Chain, Floats
 from dualarm_pin.engine.compiled import compiled
 from dualarm_pin.engine.kinematics import relative_jacobian
-from dualarm_pin.engine.layout import Problem, Scratch
+from dualarm_pin.engine.layout import Problem
 from dualarm_pin.engine.vectors import cross, dot
+from dualarm_pin.engine.workspace import Scratch
 
 
 @compiled

@@ -16,7 +16,7 @@ from dualarm_pin.engine.barrier import (
 )
 from dualarm_pin.engine.chain import Floats
 from dualarm_pin.engine.compiled import compiled, copy_rows, inlined
-from dualarm_pin.engine.layout import Problem, Workspace
+from dualarm_pin.engine.layout import Problem
 from dualarm_pin.engine.line_search import Limits, merit_of, search
 from dualarm_pin.engine.newton import (
     factor_convex,
@@ -25,6 +25,7 @@ from dualarm_pin.engine.newton import (
     reduce_system,
 )
 from dualarm_pin.engine.restoration import restore
+from dualarm_pin.engine.workspace import Workspace
 
 CONVERGED, ITERATION_LIMIT, INFEASIBLE, STALLED, NOT_RUN = 0, 1, 2, 3, 4
 

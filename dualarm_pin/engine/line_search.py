@@ -12,8 +12,9 @@ from typing import NamedTuple
 from dualarm_pin.engine.barrier import log_barrier, objective, violation
 from dualarm_pin.engine.chain import Floats
 from dualarm_pin.engine.compiled import compiled, inlined
-from dualarm_pin.engine.layout import FILTER_SIZE, Problem, Workspace
+from dualarm_pin.engine.layout import Problem
 from dualarm_pin.engine.newton import newton_step
+from dualarm_pin.engine.workspace import FILTER_SIZE, Workspace
 
 _GAMMA_VIOLATION, _GAMMA_OBJECTIVE, _ARMIJO = 1e-5, 1e-8, 1e-4
 _SWITCH_SLOPE, _SWITCH_VIOLATION = 2.3, 1.1

@@ -11,8 +11,9 @@ from __future__ import annotations
 
 from dualarm_pin.engine.chain import Floats
 from dualarm_pin.engine.compiled import compiled, inlined
-from dualarm_pin.engine.layout import Problem, Workspace
+from dualarm_pin.engine.layout import Problem
 from dualarm_pin.engine.linear_algebra import block_cholesky, block_solve, orthonormal_basis
+from dualarm_pin.engine.workspace import Workspace
 
 _SHIFT_FIRST, _SHIFT_MIN, _SHIFT_MAX = 1e-4, 1e-12, 1e12
 _SHIFT_GROW_FIRST, _SHIFT_GROW, _SHIFT_SHRINK = 100.0, 8.0, 3.0

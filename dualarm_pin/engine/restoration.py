@@ -10,8 +10,9 @@ from dualarm_pin.engine.kinematics import (
     pose_residual,
     rotation_rows,
 )
-from dualarm_pin.engine.layout import Problem, Workspace
+from dualarm_pin.engine.layout import Problem
 from dualarm_pin.engine.linear_algebra import solve_positive
+from dualarm_pin.engine.workspace import Workspace
 
 _MARGIN = 1e-3  # of the range, kept from every bound
 _DAMPING_FIRST, _DAMPING_MIN, _DAMPING_LESS, _DAMPING_MORE = 1e-3, 1e-9, 0.2, 8.0
