@@ -242,6 +242,25 @@ def test_kills_at_random_moments_lose_and_double_no_row(tmp_path):
     assert [row["seed"] for row in table(tmp_path / "out")] == list(range(60))
 
 
+def test_ctrl_c_ends_in_order_and_can_be_continued(tmp_path):
+    file = write_suite(tmp_path, [fake("quick", "slow", seconds=0.3)], 30)
+    out = tmp_path / "out"
+    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file), "--out", str(out)]
+    running = subprocess.Popen(
+        [*command, "--jobs", "2"], stderr=subprocess.PIPE, text=True, start_new_session=True
+    )
+    log, deadline = out / "rows.jsonl", time.monotonic() + 60.0
+    while not (log.exists() and log.stat().st_size) and time.monotonic() < deadline:
+        time.sleep(0.05)
+    os.killpg(running.pid, signal.SIGINT)  # as a terminal does: to every process of the batch
+    _, errors = running.communicate(timeout=60)
+    assert running.returncode == 130, errors
+    assert "continue with --resume" in errors and "Traceback" not in errors
+    done = log.read_bytes().count(b"\n")
+    batch = run_suite(Suite.load(file), out, jobs=2, resume=True)
+    assert 1 <= done < 30 and batch.done_before == done and len(batch.rows) == 30
+
+
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_a_killed_batch_leaves_no_process(tmp_path):
     file = write_suite(tmp_path, [fake("hang_in_compiled_code", "hangs")], 2)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -15,6 +15,7 @@ from dualarm_pin.bench.rows import Row, RowLog
 from dualarm_pin.bench.run import Run
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.bench.table import flatten, write_tables
+from dualarm_pin.bench.writer import Ended, Writer
 from dualarm_pin.errors import InputError
 from dualarm_pin.progress import SILENT, Progress
 
@@ -114,21 +115,19 @@ def _run(
     address: str | None,
     progress: Progress,
 ) -> None:
+    def written(ended: Sequence[Ended]) -> None:
+        for run, outcome in ended:
+            if outcome.status != "ok":
+                name = f"{run.method.name} on {' '.join(filter(None, run.problem))}"
+                progress.line(f"{outcome.status}: {name}, seed {run.seed}: {outcome.reason}")
+        progress.advance(len(ended))
+
     progress.stage("starting workers")
-    with cluster.workers(jobs, address) as client:
+    with cluster.workers(jobs, address) as client, Writer(log, keeper, written) as writer:
         progress.stage("runs", len(runs))
         no_worker = partial(progress.line, "no worker is left: waiting for one to come")
         for ended in cluster.spread(client, runs, keeper.keep != "none", no_worker):
-            rows = []
-            for run, outcome in ended:
-                # Before the row: a row on disk means that its trajectory was considered.
-                keeper.consider(run, outcome)
-                rows.append(outcome.row(run))
-                if outcome.status != "ok":
-                    name = f"{run.method.name} on {' '.join(filter(None, run.problem))}"
-                    progress.line(f"{outcome.status}: {name}, seed {run.seed}: {outcome.reason}")
-            log.append(rows)
-            progress.advance(len(rows))
+            writer.put(ended)
 
 
 def _relabelled(log: RowLog, runs: dict[str, Run], keys: list[str]) -> Iterator[Row]:

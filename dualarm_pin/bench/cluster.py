@@ -19,7 +19,7 @@ from dualarm_pin.errors import DualArmError, InputError, MissingExtraError
 CONNECT = 30.0  # seconds to reach a scheduler and its first worker
 _PATIENCE = 20.0  # seconds without an end before the workers are counted
 _RECOUNT = 1.0  # seconds between two counts of the workers
-_AHEAD = 2  # runs sent ahead for each worker thread, so that none waits for the parent
+_AHEAD = 4  # runs in flight for each worker thread: none waits for the parent
 Ended = tuple[Run, Outcome]
 
 
@@ -64,6 +64,7 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
                     memory_limit=0,  # the runs are in processes of their own
                     local_directory=scratch,
                     silence_logs=logging.CRITICAL,
+                    preload=["dualarm_pin.bench.preload"],
                 )
             )
             yield stack.enter_context(distributed.Client(cluster, set_as_default=False))

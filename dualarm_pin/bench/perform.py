@@ -85,7 +85,7 @@ def execute(run: Run, task: Task, planner: Planner, keep: bool) -> Outcome:
         reason="" if trajectory.found else trajectory.message or "no solution was found",
         figures=figures,
         trajectory=trajectory if keep else None,
-        task_file=task.as_yaml() if keep and task.record is not None else None,
+        task_file=_task_file(task) if keep and task.record is not None else None,
     )
 
 
@@ -102,6 +102,11 @@ def failed(error: Exception) -> Outcome:
 @lru_cache(maxsize=8)
 def _task(file: str, changes: tuple[str, ...]) -> Task:
     return Task.load(file, changes)
+
+
+@lru_cache(maxsize=8)
+def _task_file(task: Task) -> str:
+    return task.as_yaml()  # writing YAML takes longer than a short run
 
 
 def _planner(run: Run, task: Task) -> Planner:

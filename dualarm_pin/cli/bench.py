@@ -7,7 +7,7 @@ import sys
 import time
 from pathlib import Path
 
-from dualarm_pin.cli import DONE
+from dualarm_pin.cli import DONE, INTERRUPTED
 from dualarm_pin.cli.terminal import TerminalProgress
 
 GATE_FAILED = 1
@@ -45,9 +45,13 @@ def bench(
     asked = Suite.load(suite)
     folder = out or Path("results") / suite.stem
     with BatchProgress() as progress:
-        batch = run_suite(
-            asked, folder, jobs=jobs, address=cluster, resume=resume, progress=progress
-        )
+        try:
+            batch = run_suite(
+                asked, folder, jobs=jobs, address=cluster, resume=resume, progress=progress
+            )
+        except KeyboardInterrupt:
+            progress.line(f"stopped: what ended is in {folder}, continue with --resume")
+            return INTERRUPTED
         progress.stage("writing the report")
         write_report(asked, batch, command(suite, folder, jobs, cluster))
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.most_common())
