@@ -224,7 +224,7 @@ Player(
 # |---|---|---|
 # | `local_only` | level 1 | a local minimum |
 # | `best_known` | levels 1 and 2 | the best of N starts by two laws that agree |
-# | `best_known_bounded` | all three | and none below the bound unless a piece search missed a minimum |
+# | `best_known_bounded` | all three | none below the bound, unless a piece search missed it |
 #
 # Never: "the global optimum", or "with 99 % probability". Nothing here earns that.
 #
