@@ -100,15 +100,18 @@ def plan_global(
     if best is None:
         return unreachable(task, "global", engine.NAME, seed, clock)
     local = check_minimum(problem, best, seed=seed, jobs=jobs)
-    laws = count_laws(search.anchored, search.whole, local.q)
-    findings = Findings(local=local, laws=laws, agree=search.agree(local.q))
+    bound = None
     if budget.bound and not interrupted:
-        from dualarm_pin.evidence.bound import lower_bound
+        from dualarm_pin.evidence.bound import bound_minimum
 
-        progress.stage("lower bound")
-        findings = replace(
-            findings, bound=lower_bound(problem, local.q, seed=seed, jobs=jobs, progress=progress)
-        )
+        # The pieces may show a better path: then that is the answer, with counts of its own.
+        local, bound = bound_minimum(problem, local, seed=seed, jobs=jobs, progress=progress)
+    findings = Findings(
+        local=local,
+        laws=count_laws(search.anchored, search.whole, local.q),
+        agree=search.agree(local.q),
+        bound=bound,
+    )
     evidence, sentences = conclude(findings)
     return finish(
         task,
