@@ -85,6 +85,8 @@ class Player:
         """Return the script that brings the page to its first picture."""
         calls = [f"show({json.dumps(name)}, true)" for name in self.show]
         calls += [f"layout({json.dumps(self.layout)})"] if self.layout != "one" else []
+        # Side by side the runs need the width of the panel.
+        calls += ["player.panel.open = false"] if self.layout == "side" else []
         calls += [f"seek({self.at})"] if self.at else []
         return "dualarm.ready.then(() => {" + " ".join(f"dualarm.{c};" for c in calls) + "});"
 
