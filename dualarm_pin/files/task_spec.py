@@ -20,7 +20,13 @@ from dualarm_pin.files.source import Key, Source, Spec, read_yaml
 Three = tuple[float, float, float]
 Six = tuple[float, float, float, float, float, float]
 Weight = Annotated[float, Field(ge=0.0)]
-INDEX_NAMES = ("force", "velocity", "yoshikawa", "inverse_condition", "smallest_singular_value")
+INDEX_NAMES = (
+    "force",
+    "velocity",
+    "yoshikawa",
+    "inverse_condition_number",
+    "smallest_singular_value",
+)
 
 
 class WeightedSpec(Spec):
@@ -42,7 +48,7 @@ class IndexSpec(Spec):
     force: DirectedSpec | None = None
     velocity: DirectedSpec | None = None
     yoshikawa: WeightedSpec | None = None
-    inverse_condition: WeightedSpec | None = None
+    inverse_condition_number: WeightedSpec | None = None
     smallest_singular_value: WeightedSpec | None = None
     joint_centre: Weight = 0.0
 
