@@ -186,13 +186,13 @@ def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
     batches = 0
     solve_many = engine.solve_many
 
-    def stop_in_the_second_batch(*arguments: object, **options: object) -> object:
+    def stop_when_the_first_paths_are_refined(*arguments: object, **options: object) -> object:
         nonlocal batches
         batches += 1
         ends = solve_many(*arguments, **options)  # type: ignore[arg-type]
-        return replace(ends, interrupted=True) if batches == 2 else ends
+        return replace(ends, interrupted=True) if batches == 3 else ends
 
-    monkeypatch.setattr(engine, "solve_many", stop_in_the_second_batch)
+    monkeypatch.setattr(engine, "solve_many", stop_when_the_first_paths_are_refined)
     answer = plan_global(task, effort="normal", seed=0)
     assert answer.found
     assert answer.extra["interrupted"] is True

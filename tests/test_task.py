@@ -36,7 +36,7 @@ def test_every_index_of_a_file_is_made(name: str) -> None:
     assert task.index.task_weights[3] == 0.1
     assert task.index.joint_weights is not None
     assert task.index.joint_weights[11] == 2.0
-    assert name.split("_")[0] in task.index.name.replace("-", "_")
+    assert name.split("_", maxsplit=1)[0] in task.index.name.replace("-", "_")
 
 
 def test_set_reaches_into_task_and_cell() -> None:
