@@ -18,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 import time
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -88,14 +89,14 @@ def main() -> int:
 def measure(folder: Path, runs: int, kills: int, seconds: float) -> int:
     load = os.getloadavg()[0]
     print(f"load of the machine before: {load:.1f} on {os.cpu_count()} processors")
-    start, wall, batch = timed(folder / "short", 300, 0.0, 1)
-    solve = sum(row["run_s"] for row in batch.rows)
+    start, _, _ = timed(folder / "short", 300, 0.0, 1)
     print(f"start of a local cluster: {start:.2f} s")
-    print(f"overhead beside the solve: {1e3 * (wall - solve) / 300:.1f} ms a run")
+    print(f"overhead beside the solve: {1e3 * overhead(folder / 'short'):.1f} ms a run")
     walls = {jobs: timed(folder / f"jobs{jobs}", 200, seconds, jobs)[1] for jobs in (1, 2)}
     print(
         f"200 runs of {seconds:g} s: {walls[1]:.1f} s with one worker, {walls[2]:.1f} s with two: "
-        f"{walls[1] / walls[2]:.2f} times the throughput"
+        f"{walls[1] / walls[2]:.2f} times the throughput (two bare processes on this machine: "
+        f"{bare_scaling():.2f} times)"
     )
     _, wall, _ = timed(folder / "many", runs, 0.0, 2)
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024.0
@@ -124,6 +125,29 @@ def timed(folder: Path, runs: int, busy: float, jobs: int) -> tuple[float, float
         began["writing the tables"] - began["runs"],
         batch,
     )
+
+
+def bare_scaling(seconds: float = 10.0) -> float:
+    """Return the throughput of two busy processes over one: what the machine has to give now."""
+    code = (
+        f"import time\nend = time.process_time() + {seconds}\nwhile time.process_time() < end: pass"
+    )
+    walls = []
+    for count in (1, 2):
+        begun = time.perf_counter()
+        busy = [subprocess.Popen([sys.executable, "-c", code]) for _ in range(count)]
+        for process in busy:
+            process.wait()
+        walls.append(time.perf_counter() - begun)
+    return 2.0 * walls[0] / walls[1]
+
+
+def overhead(folder: Path) -> float:
+    """Return the seconds between two runs of one worker, beside the runs themselves."""
+    rows = [json.loads(line) for line in (folder / "out" / "rows.jsonl").read_bytes().splitlines()]
+    begun = sorted(datetime.fromisoformat(row["started"]).timestamp() for row in rows)
+    solve = sum(row["run_s"] for row in rows[:-1])
+    return (begun[-1] - begun[0] - solve) / (len(rows) - 1)
 
 
 def kill_at_random(folder: Path, kills: int) -> tuple[int, int]:

@@ -68,6 +68,9 @@ def run_suite(
 ) -> Batch:
     """Run what is missing of a suite and write its tables.
 
+    In a script of your own, call it below `if __name__ == "__main__":`, since local workers are
+    processes that import the script.
+
     Args:
         suite: The suite.
         folder: Where rows, trajectories and tables go.

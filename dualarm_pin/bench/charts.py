@@ -53,8 +53,8 @@ def profile_chart(curves: Mapping[str, Points], label: str) -> str:
             path.append(f"H{x(max(ratio, 1.0)):.1f}V{y(share):.1f}")
         path.append(f"H{x(top):.1f}")
         parts.append(
-            f'<path class="curve" d="{"".join(path)}" stroke="{COLOURS[number % 7]}" '
-            f'stroke-dasharray="{DASHES[number % 7]}"><title>{escape(name)}</title></path>'
+            f'<path class="curve" d="{"".join(path)}" {_look(number)}>'
+            f"<title>{escape(name)}</title></path>"
         )
     parts.append(_text((_LEFT + _WIDTH - _RIGHT) / 2, _HEIGHT - 8, label, "middle"))
     return "".join([*parts, "</svg>"])
@@ -64,7 +64,7 @@ def legend(names: Sequence[str]) -> str:
     """Return the key of the curves."""
     items = [
         f'<li><svg viewBox="0 0 34 10" aria-hidden="true"><line x1="0" y1="5" x2="34" y2="5" '
-        f'class="curve" stroke="{COLOURS[i % 7]}" stroke-dasharray="{DASHES[i % 7]}"/></svg>'
+        f'class="curve" {_look(i)}/></svg>'
         f"{escape(name)}</li>"
         for i, name in enumerate(names)
     ]
@@ -136,6 +136,12 @@ def map_chart(
         f'transform="rotate(-90 12 {_TOP + height / 2:.0f})">{escape(label_y)}</text>'
     )
     return "".join([*parts, "</svg>"])
+
+
+def _look(number: int) -> str:
+    """Return colour and dash of a curve; 49 of them differ."""
+    dash = DASHES[(number + number // 7) % 7]
+    return f'stroke="{COLOURS[number % 7]}" stroke-dasharray="{dash}"'
 
 
 def _ticks(top: float) -> list[float]:

@@ -60,7 +60,8 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
-                    dashboard_address=None,
+                    dashboard_address="127.0.0.1:0",  # None would take port 8787 all the same
+                    scheduler_kwargs={"dashboard": False},
                     memory_limit=0,  # the runs are in processes of their own
                     local_directory=scratch,
                     silence_logs=logging.CRITICAL,
