@@ -116,8 +116,8 @@ def draw_plots(starts: int, file: Path) -> None:
     """Compare the methods along the path, as Fig. 4 and Fig. 5 do."""
     found = reproduce(starts=starts).trajectories
     random = [f"pseudo-inverse, free, random {k}" for k in range(1, RANDOM_STARTS + 1)]
-    figure = Figure(figsize=(10.0, 4.0), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
+    figure = Figure(figsize=(10.0, 4.2), layout="constrained")
+    left, right = figure.subplots(1, 2)
     lines = {
         "whole path at once": "whole path",
         "two-stage, polished": "two-stage, polished",
@@ -130,12 +130,15 @@ def draw_plots(starts: int, file: Path) -> None:
     _curve(right, found["pseudo-inverse, free, best first"], "pseudo-inverse from its start", 3)
     for k, name in enumerate(random):
         _curve(right, found[name], f"from random start {k + 1}", 4 + k)
-    for ax, title in ((left, "Planned as a whole, and step by step"), (right, "Where it starts")):
+    for ax, title in (
+        (left, "The whole task against step by step"),
+        (right, "Step by step, from several starts"),
+    ):
         dress(ax, "point")
         ax.set_title(title, loc="left", fontsize=11)
-        ax.legend(frameon=False, fontsize=8.5)
+        ax.set_ylim(0, 1.45 * ax.get_ylim()[1])  # room for the legend above the curves
+        ax.legend(frameon=False, fontsize=8.5, loc="upper left")
     left.set_ylabel("index $c$ [m²], lower is better")
-    left.set_ylim(bottom=0)
     picture = io.BytesIO()
     figure.savefig(picture, dpi=160, metadata={"Software": None})
     _write(file, Image.open(picture).convert("RGB"))

@@ -31,7 +31,7 @@ import pinocchio as pin
 
 from dualarm_pin import plots
 from dualarm_pin.cell import Cell
-from dualarm_pin.errors import DualArmError
+from dualarm_pin.errors import DualArmError, MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.paths import circle, raster
 from dualarm_pin.planners import plan_global
@@ -259,9 +259,9 @@ try:
         tools=(None, spindle),
         name="Panda and UR5",
     )
-except DualArmError as error:
+except MissingExtraError as error:
     mixed = None
-    print(f"skipped: {error}\n\npip install 'dualarm-pin[robots]' brings these robots")
+    print(f"skipped: {error}")
 
 shown = None
 if mixed is not None:
