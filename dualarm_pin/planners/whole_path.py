@@ -41,7 +41,7 @@ class Budget:
         bound: Compute the lower bound.
     """
 
-    postures: int = 200
+    postures: int = 250
     screened: int = 12
     refinements: int = 3
     rounds: int = 4
