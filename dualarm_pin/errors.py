@@ -59,6 +59,10 @@ class MissingExtraError(DualArmError, ImportError):
     """An optional library is needed; the message names the extra that brings it."""
 
 
+class WorkerError(DualArmError, RuntimeError):
+    """A process that did part of the work died."""
+
+
 def nearest(name: str, known: Iterable[str], limit: int = 8) -> str:
     """Return a hint for a message: the nearest known name, or a short list of all.
 

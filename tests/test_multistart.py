@@ -8,6 +8,7 @@ import time
 import numpy as np
 import pytest
 
+from dualarm_pin.errors import WorkerError
 from dualarm_pin.evidence.laws import count_laws
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.multistart.anchored import AnchoredSearch, anchor_points
@@ -156,3 +157,12 @@ def test_ctrl_c_keeps_what_ended_and_stops_the_rest() -> None:
         assert workers.run(interrupt, [(i,) for i in range(4)]) == [0, 1, None, None]
         assert workers.interrupted
         assert workers.run(interrupt, [(0,)]) == [None]
+
+
+def die(x: int) -> int:
+    os._exit(3)
+
+
+def test_a_worker_that_dies_says_what_to_do() -> None:
+    with Workers(2) as workers, pytest.raises(WorkerError, match="if __name__ == '__main__'"):
+        workers.run(die, [(0,), (1,)])

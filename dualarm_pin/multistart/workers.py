@@ -13,7 +13,10 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from typing import Any, TypeVar
+
+from dualarm_pin.errors import WorkerError
 
 Result = TypeVar("Result")
 
@@ -57,6 +60,9 @@ class Workers:
 
         Returns:
             A result a call, None for those that Ctrl-C cut off.
+
+        Raises:
+            WorkerError: A process died.
         """
         results: list[Result | None] = [None] * len(calls)
         if self.interrupted or not calls:
@@ -69,6 +75,13 @@ class Workers:
         except KeyboardInterrupt:
             self.interrupted = True
             self.close()
+        except BrokenProcessPool as error:
+            self.close()
+            raise WorkerError(
+                "a worker process died. A script that plans with several processes must do so under "
+                "`if __name__ == '__main__':`, because each process reads the script anew; or give "
+                "jobs=1"
+            ) from error
         return results
 
     def close(self) -> None:

@@ -139,8 +139,8 @@ def polish(task: Task, q: Array, *, seed: int | None = None) -> Trajectory:
     return finish(
         task,
         end.q if better else q,
-        method="two-stage",
-        solver=f"{engine.NAME} from the two-stage answer",
+        method="polish",
+        solver=engine.NAME,
         timing=clock.read(compile_s),
         seed=seed,
         extra={"improved": better},
