@@ -111,6 +111,15 @@ def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_pa
     assert (out / "rows.jsonl").read_bytes() == before
 
 
+def test_a_run_that_kills_its_workers_is_set_aside_and_takes_no_other_along(tmp_path):
+    file = write_suite(tmp_path, [fake("kill_worker", "kills"), fake("quick", "good")], 4)
+    text = file.read_text().replace('"name": "kills"', '"name": "kills", "seeds": [2]')
+    file.write_text(text)
+    batch = run_suite(Suite.load(file), tmp_path / "out", jobs=2)
+    assert [row["status"] for row in batch.rows] == ["crashed", "ok", "ok", "ok", "ok"]
+    assert "worker processes that died" in batch.rows[0]["reason"]
+
+
 def test_a_gate_that_does_not_hold_is_exit_code_1_and_a_bad_suite_2(tmp_path):
     file = write_suite(tmp_path, [fake("quick", "good")], 1, "gates: [mean_index <= 1.0]\n")
     done = bench(file, "--out", tmp_path / "out", "--jobs", 1)

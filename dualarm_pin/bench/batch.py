@@ -13,9 +13,10 @@ from dualarm_pin.bench.best import Keeper
 from dualarm_pin.bench.gates import Gate
 from dualarm_pin.bench.rows import Row, RowLog
 from dualarm_pin.bench.run import Run
+from dualarm_pin.bench.spread import Ended, spread
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.bench.table import flatten, write_tables
-from dualarm_pin.bench.writer import Ended, Writer
+from dualarm_pin.bench.writer import Writer
 from dualarm_pin.errors import InputError
 from dualarm_pin.progress import SILENT, Progress
 
@@ -129,7 +130,7 @@ def _run(
     with cluster.workers(jobs, address) as client, Writer(log, keeper, written) as writer:
         progress.stage("runs", len(runs))
         no_worker = partial(progress.line, "no worker is left: waiting for one to come")
-        for ended in cluster.spread(client, runs, keeper.keep != "none", no_worker):
+        for ended in spread(client, runs, keeper.keep != "none", no_worker):
             writer.put(ended)
 
 

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from dualarm_pin.bench import statistics as stats
 from dualarm_pin.bench.best import best_folder
 from dualarm_pin.bench.charts import legend, map_chart, profile_chart
+from dualarm_pin.bench.html_tables import gates_table, overview_table, problem_table
 from dualarm_pin.bench.provenance import provenance
 from dualarm_pin.bench.statistics import Problem, Summary
-from dualarm_pin.bench.tables import gates_table, overview_table, problem_table
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.suite_spec import MapEntry
 from dualarm_pin.files.write import write_bytes

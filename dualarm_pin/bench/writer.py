@@ -9,9 +9,8 @@ from types import TracebackType
 
 from dualarm_pin.bench.best import Keeper
 from dualarm_pin.bench.rows import RowLog
-from dualarm_pin.bench.run import Outcome, Run
+from dualarm_pin.bench.spread import Ended
 
-Ended = tuple[Run, Outcome]
 _MOST_WAITING = 500  # runs; a disk that is slower than the runs slows them down
 
 
