@@ -78,9 +78,9 @@ class Workers:
         except BrokenProcessPool as error:
             self.close()
             raise WorkerError(
-                "a worker process died. A script that plans with several processes must do so under "
-                "`if __name__ == '__main__':`, because each process reads the script anew; or give "
-                "jobs=1"
+                "a worker process died. A script that plans with several processes must do so "
+                "under `if __name__ == '__main__':`, because each process reads the script anew; "
+                "or give jobs=1"
             ) from error
         return results
 
