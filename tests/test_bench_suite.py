@@ -183,3 +183,15 @@ def test_gates(text, of, values, holds):
 def test_a_gate_without_a_run_does_not_hold():
     gate = read_gate(GateEntry(gate="mean_index < 1", task="t*"), ["t"], ["m"])
     assert gate.failure([]) == "no run to judge"
+
+
+@pytest.mark.parametrize(("name", "runs"), [("paper", 25), ("placement", 90), ("cells", 108)])
+def test_the_suites_that_ship_are_right(name, runs):
+    if name == "cells":
+        from dualarm_pin.cell.packages import robot_data_share
+
+        if robot_data_share() is None:
+            pytest.skip("needs the extra `robots`")
+    shipped = Suite.load(urdf_folder() / "suites" / f"{name}.yaml")
+    assert len(shipped.runs) == runs
+    assert shipped.limitations

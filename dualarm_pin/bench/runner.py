@@ -17,7 +17,7 @@ from typing import IO, Any
 
 from dualarm_pin.bench.run import Outcome, Run
 
-LOADING = 120.0  # seconds to load a task and to compile, beside the time limit of the run
+LOADING = 300.0  # seconds to load a task and to compile, beside the time limit of the run
 DEATHS = 2  # a run that kills its process so often is set aside
 _ONE_THREAD = (
     "OMP_NUM_THREADS",
