@@ -1,5 +1,6 @@
 """Whole batches: real workers, killed workers, killed batches, resumed ones."""
 
+import importlib.util
 import json
 import os
 import random
@@ -17,7 +18,7 @@ pq = pytest.importorskip("pyarrow.parquet")
 from dualarm_pin.bench.batch import run_suite  # noqa: E402
 from dualarm_pin.bench.perform import perform  # noqa: E402
 from dualarm_pin.bench.suite import Suite  # noqa: E402
-from dualarm_pin.errors import InputError  # noqa: E402
+from dualarm_pin.errors import InputError, MissingExtraError  # noqa: E402
 from dualarm_pin.files.resources import urdf_folder  # noqa: E402
 from dualarm_pin.trajectory import Trajectory  # noqa: E402
 
@@ -155,6 +156,18 @@ def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
         ("new name", 1),
     ]
     assert len((out / "rows.jsonl").read_bytes().splitlines()) == 3
+
+
+@pytest.mark.parametrize("library", ["distributed", "pyarrow"])
+def test_a_missing_library_is_named_before_the_first_run(tmp_path, monkeypatch, library):
+    find = importlib.util.find_spec
+    monkeypatch.setattr(
+        importlib.util, "find_spec", lambda name: None if name == library else find(name)
+    )
+    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]))
+    with pytest.raises(MissingExtraError, match=rf"{library}.*dualarm-pin\[bench\]"):
+        run_suite(suite, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
 
 
 def test_no_scheduler_is_a_clear_message(tmp_path, monkeypatch):

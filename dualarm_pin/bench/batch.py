@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ from dualarm_pin.bench.spread import Ended, spread
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.bench.table import flatten, write_tables
 from dualarm_pin.bench.writer import Writer
-from dualarm_pin.errors import InputError
+from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.progress import SILENT, Progress
 
 LOG = "rows.jsonl"
@@ -90,6 +91,11 @@ def run_suite(
             "there is something here: add --resume to continue it, or give another --out",
             file=folder,
         )
+    for library in ("distributed", "pyarrow"):
+        if importlib.util.find_spec(library) is None:  # before the first run, not after the last
+            raise MissingExtraError(
+                f"batches need {library}, which is not installed: pip install 'dualarm-pin[bench]'"
+            )
     runs = {run.key: run for run in suite.runs}
     keeper = Keeper(folder, suite.keep, {key: i for i, key in enumerate(runs)})
     with RowLog(folder / LOG) as log:

@@ -10,7 +10,7 @@ from typing import Any
 
 from dualarm_pin import __version__
 from dualarm_pin.bench.runner import DEATHS
-from dualarm_pin.errors import InputError, MissingExtraError
+from dualarm_pin.errors import InputError
 
 CONNECT = 30.0  # seconds to reach a scheduler and its first worker
 
@@ -24,16 +24,11 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
         address: A scheduler that exists, such as `tcp://10.0.0.1:8786`, instead of a local one.
 
     Raises:
-        MissingExtraError: dask.distributed is not installed.
         InputError: The scheduler or its workers cannot be reached, or have another version.
     """
-    try:
-        import dask
-        import distributed as dd
-    except ImportError as error:
-        raise MissingExtraError(
-            "batches need dask.distributed and pyarrow: pip install 'dualarm-pin[bench]'"
-        ) from error
+    import dask
+    import distributed as dd
+
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS - 1,
         "distributed.comm.timeouts.connect": CONNECT,

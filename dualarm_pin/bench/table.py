@@ -9,7 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.files.write import replacing
 
 Row = dict[str, Any]
@@ -40,15 +39,10 @@ def write_tables(folder: Path, rows: Callable[[], Iterable[Row]]) -> None:
     Args:
         folder: Where to.
         rows: Reads the rows from the beginning; they are read twice and never all at once.
-
-    Raises:
-        MissingExtraError: pyarrow is not installed.
     """
-    try:
-        import pyarrow as pa
-        import pyarrow.parquet as pq
-    except ImportError as error:
-        raise MissingExtraError("tables need pyarrow: pip install 'dualarm-pin[bench]'") from error
+    import pyarrow as pa
+    import pyarrow.parquet as pq
+
     kinds: dict[str, str] = {}
     for row in rows():
         for name, value in flatten(row).items():
