@@ -15,7 +15,7 @@ from dualarm_pin.cli.terminal import TerminalProgress
 def solve(
     task: Path,
     *,
-    method: Literal["global", "two-stage", "local"] = "global",
+    method: Literal["global", "two-stage", "local", "casadi", "pink"] = "global",
     effort: Literal["quick", "normal", "thorough"] = "normal",
     solver: str | None = None,
     starts: int | None = None,
@@ -28,7 +28,8 @@ def solve(
 
     Args:
         task: A task file (YAML).
-        method: The whole path at once, the paper's two stages, or step by step.
+        method: The whole path at once, the paper's two stages, or step by step; casadi and pink
+            are peers for comparison and need their extras.
         effort: How much evidence to gather; for the global method.
         solver: Solver of the method; for `local` one of free, clamped, qp.
         starts: Number of starts.
