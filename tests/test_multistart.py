@@ -17,7 +17,7 @@ from dualarm_pin.multistart.starts import common_postures, generator, independen
 from dualarm_pin.multistart.whole import WholePathSearch
 from dualarm_pin.multistart.workers import Workers
 from dualarm_pin.problem import Problem
-from dualarm_pin.solvers.ends import same_path
+from dualarm_pin.solvers.ends import Ends, same_path
 from dualarm_pin.task import Task
 
 
@@ -166,3 +166,29 @@ def die(x: int) -> int:
 def test_a_worker_that_dies_says_what_to_do() -> None:
     with Workers(2) as workers, pytest.raises(WorkerError, match="if __name__ == '__main__'"):
         workers.run(die, [(0,), (1,)])
+
+
+def test_starts_that_ctrl_c_cut_off_are_not_counted(
+    problem: Problem, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from dataclasses import replace
+
+    from dualarm_pin.solvers import engine
+
+    solve_many = engine.solve_many
+
+    def cut_off(*arguments: object, **options: object) -> Ends:
+        ends = solve_many(*arguments, **options)  # type: ignore[arg-type]
+        half = np.arange(len(ends)) < len(ends) // 2
+        residual = np.where(half, ends.residual, np.inf)
+        ok = ends.converged & half
+        return replace(ends, residual=residual, converged=ok, feasible=ok, interrupted=True)
+
+    monkeypatch.setattr(engine, "solve_many", cut_off)
+    whole, anchored = WholePathSearch(problem, seed=0), AnchoredSearch(problem, seed=0)
+    with pytest.raises(KeyboardInterrupt):
+        whole.grow(20)
+    assert whole.starts == 10
+    with pytest.raises(KeyboardInterrupt):
+        anchored.grow(20, 3, 2)
+    assert sum(anchor.starts for anchor in anchored.anchors) == 30

@@ -200,7 +200,7 @@ class AnchoredSearch:
             options=Options(iterations=_ALONE_ITERATIONS),
         )
         for anchor in self.anchors:
-            mine = ends.take(np.array(points) == anchor.point)
+            mine = ends.take((np.array(points) == anchor.point) & ends.ran)
             if len(mine):
                 anchor.alone = mine if anchor.alone is None else Ends.join([anchor.alone, mine])
                 anchor.starts += len(mine)

@@ -39,6 +39,7 @@ class WholePathSearch:
         random = generator(self.seed, 20, self.starts)
         drawn = common_postures(problem.lower, problem.upper, problem.k, fresh, random)
         ends = engine.solve_many(problem, drawn, jobs=self.jobs)
-        self.ends = ends if self.ends is None else Ends.join([self.ends, ends])
+        ran = ends.take(ends.ran)
+        self.ends = ran if self.ends is None else Ends.join([self.ends, ran])
         if ends.interrupted:
             raise KeyboardInterrupt

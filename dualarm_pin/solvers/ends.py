@@ -39,6 +39,11 @@ class Ends:
     def __len__(self) -> int:
         return len(self.objective)
 
+    @property
+    def ran(self) -> Flags:
+        """Which starts were run at all (s,): after Ctrl-C some were not, and count for nothing."""
+        return np.isfinite(self.residual)
+
     def take(self, which: Labels | Flags | list[int]) -> Ends:
         """Return some of the ends."""
         return Ends(
