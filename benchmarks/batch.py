@@ -24,11 +24,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.bench.batch import Batch, run_suite
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.progress import Progress
-from dualarm_pin.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task

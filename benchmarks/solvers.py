@@ -18,14 +18,15 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.bench.perform import machine
+from dualarm_pin.answer.finish import versions
+from dualarm_pin.bench.work.one_run import machine
 from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text
-from dualarm_pin.multistart.starts import common_postures, generator
-from dualarm_pin.planners.finish import versions
 from dualarm_pin.problem import Problem
-from dualarm_pin.solvers import engine, nlopt_slsqp
+from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.ends import distinct
 from dualarm_pin.solvers.solution import Solution
 from dualarm_pin.task import Task

@@ -16,14 +16,13 @@ from matplotlib.figure import Figure
 from PIL import Image, ImageDraw
 from playwright.sync_api import Browser, sync_playwright
 
-from dualarm_pin import plots
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.paper import RANDOM_STARTS, reproduce
 from dualarm_pin.planners import plan_global
-from dualarm_pin.plots.style import DASHES, dress
+from dualarm_pin.show import Run, plots, write_player
+from dualarm_pin.show.plots.style import DASHES, dress
 from dualarm_pin.task import Task
-from dualarm_pin.trajectory import Trajectory
-from dualarm_pin.viewer import Run, write_player
 
 HERE = Path(__file__).resolve().parent
 MOST_BYTES = 300_000

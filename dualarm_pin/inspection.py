@@ -14,9 +14,9 @@ from dualarm_pin.cell.entry import cell_from_source
 from dualarm_pin.cell.inspect import CellReport, describe
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import read_yaml
-from dualarm_pin.multistart.starts import generator
 from dualarm_pin.path import Path as RelativePath
-from dualarm_pin.planners.reach import feasible_postures
+from dualarm_pin.planners.unreachable import feasible_postures
+from dualarm_pin.search.starts import generator
 from dualarm_pin.task import Task
 
 _TRIES = 20
@@ -51,7 +51,7 @@ class Inspection:
 
     def draw(self, file: Path) -> None:
         """Write a page with the cell, on the path where there is one."""
-        from dualarm_pin.viewer import Run, write_player
+        from dualarm_pin.show import Run, write_player
 
         if isinstance(self.subject, Task):
             task = self.subject

@@ -15,17 +15,17 @@ from pathlib import Path
 
 import numpy as np
 
+from dualarm_pin.answer.folder import save_result
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text
-from dualarm_pin.multistart.starts import generator
-from dualarm_pin.multistart.workers import Workers
 from dualarm_pin.planners import plan_global, plan_local, plan_two_stage, polish
-from dualarm_pin.planners.reach import feasible_postures
+from dualarm_pin.planners.unreachable import feasible_postures
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.results import save_result
+from dualarm_pin.search.starts import generator
+from dualarm_pin.search.workers import Workers
 from dualarm_pin.task import Task
-from dualarm_pin.trajectory import Trajectory
 
 PAPER_MEANS = {"two-stage": 1.17, "pseudo-inverse": 1.52}
 RANDOM_STARTS = 3
@@ -128,8 +128,7 @@ def write(reproduction: Reproduction, folder: Path) -> list[Path]:
     Returns:
         The files for people: table, figures, animation.
     """
-    from dualarm_pin import plots
-    from dualarm_pin.viewer import Run, write_player
+    from dualarm_pin.show import Run, plots, write_player
 
     task, trajectories = reproduction.task, reproduction.trajectories
     text = io.StringIO()

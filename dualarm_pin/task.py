@@ -21,7 +21,8 @@ from dualarm_pin.files.source import Key, Source, check, plain
 from dualarm_pin.files.task_spec import IndexSpec, SmoothnessSpec, TaskSpec, read_task
 from dualarm_pin.indices import Index
 from dualarm_pin.path import Path
-from dualarm_pin.paths import choose_Gamma, load_path
+from dualarm_pin.path.gamma import choose_Gamma
+from dualarm_pin.path.load import load_path
 from dualarm_pin.problem import Problem
 
 Array = NDArray[np.float64]

@@ -35,12 +35,11 @@
 # %matplotlib inline
 import numpy as np
 
-from dualarm_pin import plots
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global, plan_local, plan_two_stage, polish
 from dualarm_pin.relative import Relative
+from dualarm_pin.show import Player, Run, plots
 from dualarm_pin.task import Task
-from dualarm_pin.viewer import Player, Run
 
 STARTS = 10  # the paper takes 100 for each of its problems; that is about two minutes on two cores
 

@@ -29,15 +29,14 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin import plots
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import DualArmError, MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.paths import circle, raster
+from dualarm_pin.path.generators import circle, raster
 from dualarm_pin.planners import plan_global
 from dualarm_pin.relative import Relative
+from dualarm_pin.show import Player, Run, plots
 from dualarm_pin.task import Task
-from dualarm_pin.viewer import Player, Run
 
 ns16 = urdf_folder() / "ns16" / "ns16.urdf"
 folder = Path(tempfile.mkdtemp())

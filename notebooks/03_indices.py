@@ -33,8 +33,8 @@ from dualarm_pin import indices, plots
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global
 from dualarm_pin.relative import Relative
+from dualarm_pin.show import Player, Run
 from dualarm_pin.task import Task
-from dualarm_pin.viewer import Player, Run
 
 task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
 cell, path = task.cell, task.path

@@ -25,12 +25,11 @@
 # %matplotlib inline
 import numpy as np
 
-from dualarm_pin import plots
 from dualarm_pin.evidence import examine
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global, plan_local, polish
+from dualarm_pin.show import Player, Run, plots
 from dualarm_pin.task import Task
-from dualarm_pin.viewer import Player, Run
 
 task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
 cell, path = task.cell, task.path

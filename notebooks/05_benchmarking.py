@@ -32,12 +32,11 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from dualarm_pin import plots
+from dualarm_pin.answer.folder import load_result
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.results import load_result
-from dualarm_pin.viewer import Player, Run
+from dualarm_pin.show import Player, Run, plots
 
 folder = Path(tempfile.mkdtemp())
 corner = urdf_folder() / "tasks" / "paper_corner.yaml"

@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from dualarm_pin.trajectory import Timing, Trajectory
+from dualarm_pin.answer.trajectory import Timing, Trajectory
 
 
 def quick(task, seed, cost=1.0, seconds=0.0, busy=0.0):

@@ -15,12 +15,12 @@ import pytest
 pytest.importorskip("distributed")
 pq = pytest.importorskip("pyarrow.parquet")
 
+from dualarm_pin.answer.trajectory import Trajectory  # noqa: E402
 from dualarm_pin.bench.batch import run_suite  # noqa: E402
-from dualarm_pin.bench.perform import perform  # noqa: E402
 from dualarm_pin.bench.suite import Suite  # noqa: E402
+from dualarm_pin.bench.work.one_run import perform  # noqa: E402
 from dualarm_pin.errors import InputError, MissingExtraError  # noqa: E402
 from dualarm_pin.files.resources import urdf_folder  # noqa: E402
-from dualarm_pin.trajectory import Trajectory  # noqa: E402
 
 HERE = Path(__file__).parent
 TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
@@ -171,7 +171,7 @@ def test_a_missing_library_is_named_before_the_first_run(tmp_path, monkeypatch, 
 
 
 def test_no_scheduler_is_a_clear_message(tmp_path, monkeypatch):
-    from dualarm_pin.bench import cluster
+    from dualarm_pin.bench.work import cluster
 
     monkeypatch.setattr(cluster, "CONNECT", 1.0)
     suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]))
@@ -225,7 +225,7 @@ def test_a_worker_killed_during_the_run_changes_nothing_in_the_table(tmp_path, t
     assert 4 <= before < 24, "the worker was not killed during the run"
     expected = tmp_path / "serial"
     expected.mkdir()
-    from dualarm_pin.bench.table import write_tables
+    from dualarm_pin.bench.log.table import write_tables
 
     rows = [json.loads(json.dumps(outcome.row(run))) for run, outcome in serial(file)]
     write_tables(expected, lambda: rows)
@@ -320,4 +320,6 @@ def busy_children(pid):
             child = parents[child][0]
         return child == pid
 
-    return [p for p, (_, name) in parents.items() if "dualarm_pin.bench.child" in name and below(p)]
+    return [
+        p for p, (_, name) in parents.items() if "dualarm_pin.bench.work.child" in name and below(p)
+    ]

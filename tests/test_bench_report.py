@@ -12,10 +12,10 @@ import pytest
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 
-from dualarm_pin.bench import statistics as stats
 from dualarm_pin.bench.batch import run_suite
-from dualarm_pin.bench.charts import map_chart, profile_chart
-from dualarm_pin.bench.report import write_report
+from dualarm_pin.bench.report import statistics as stats
+from dualarm_pin.bench.report.charts import map_chart, profile_chart
+from dualarm_pin.bench.report.page import write_report
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
 

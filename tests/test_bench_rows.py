@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from dualarm_pin.bench.rows import RowLog
-from dualarm_pin.bench.table import flatten, write_tables
+from dualarm_pin.bench.log.rows import RowLog
+from dualarm_pin.bench.log.table import flatten, write_tables
 from dualarm_pin.errors import InputError
 
 
@@ -45,7 +45,7 @@ def test_one_batch_at_a_time_writes_a_log(tmp_path):
     file = tmp_path / "rows.jsonl"
     code = f"""
 import pathlib
-from dualarm_pin.bench.rows import RowLog
+from dualarm_pin.bench.log.rows import RowLog
 try:
     RowLog(pathlib.Path({str(file)!r}))
 except ValueError as error:

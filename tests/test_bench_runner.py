@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 
 from dualarm_pin import __version__
-from dualarm_pin.bench.inputs import Fingerprints
-from dualarm_pin.bench.perform import perform
+from dualarm_pin.bench.fingerprints import Fingerprints
 from dualarm_pin.bench.run import Method, Run
-from dualarm_pin.bench.runner import Runner
+from dualarm_pin.bench.work.one_run import perform
+from dualarm_pin.bench.work.runner import Runner
 from dualarm_pin.files.resources import urdf_folder
 
 TASK = urdf_folder() / "tasks" / "paper_corner.yaml"

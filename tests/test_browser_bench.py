@@ -12,7 +12,7 @@ pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 
 from dualarm_pin.bench.batch import run_suite
-from dualarm_pin.bench.report import write_report
+from dualarm_pin.bench.report.page import write_report
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
 

@@ -9,7 +9,7 @@ from ns16_pair import corner, motions, pair
 from dualarm_pin.cell import Cell
 from dualarm_pin.path import Path
 from dualarm_pin.relative import Relative
-from dualarm_pin.viewer import Player, Run, player_page, serving, write_player
+from dualarm_pin.show import Player, Run, player_page, serving, write_player
 
 pytestmark = pytest.mark.browser
 

@@ -9,7 +9,7 @@ from browser import opened
 from ns16_pair import motions, pair
 from test_report import results
 
-from dualarm_pin.report import write_report
+from dualarm_pin.show import write_report
 
 pytestmark = pytest.mark.browser
 BAD = '<img src="http://evil.example/x.png">'

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 from ns16_pair import motions
 
+from dualarm_pin.answer.folder import save_result
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.results import save_result
 from dualarm_pin.task import Task
-from dualarm_pin.trajectory import Trajectory
 
 
 @pytest.fixture(scope="module")

@@ -19,7 +19,7 @@ from dualarm_pin.evidence.piece_search import SearchOptions
 from dualarm_pin.evidence.pieces import cut_sets, split
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.solvers import engine
+from dualarm_pin.solvers import interior_point as engine
 
 Array = NDArray[np.float64]
 SMALL = BoundOptions(search=SearchOptions(wide=150, most=300, postures=60))

@@ -16,7 +16,7 @@ from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import Stationarity, _signed_multipliers, stationarity
 from dualarm_pin.problem import Problem
 from dualarm_pin.relative import Relative
-from dualarm_pin.solvers import engine
+from dualarm_pin.solvers import interior_point as engine
 
 Array = NDArray[np.float64]
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from evidence_cases import minima_of_six, six_points
 
+from dualarm_pin.answer.trajectory import Evidence, LawCount
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.evidence import examine
 from dualarm_pin.evidence.bound import Bound
@@ -24,7 +25,6 @@ from dualarm_pin.evidence.laws import (
 from dualarm_pin.evidence.sentences import STOPPING_RULE
 from dualarm_pin.evidence.verdict import Findings, conclude
 from dualarm_pin.solvers.ends import Ends
-from dualarm_pin.trajectory import Evidence, LawCount
 
 FORBIDDEN = ("global", "certified", "optimal within", "chance of being", "guarantee", "proven")
 STRICT = LocalCheck(

@@ -12,12 +12,12 @@ import pytest
 PACKAGE = Path(__file__).resolve().parents[1] / "dualarm_pin"
 FLOORS = {
     7: {"cli", "__main__"},
-    6: {"bench", "report", "viewer", "plots", "paper", "inspection"},
+    6: {"bench", "show", "paper", "inspection"},
     5: {"planners"},
-    4: {"multistart", "evidence"},
-    3: {"task", "problem", "solvers", "verification", "results"},
+    4: {"search", "evidence"},
+    3: {"task", "problem", "solvers", "answer"},
     2: {"indices", "constraints", "engine"},
-    1: {"cell", "path", "paths", "relative", "trajectory"},
+    1: {"cell", "meshes", "path", "relative"},
     0: {"errors", "tolerance", "files", "arrays", "progress", "__init__"},
 }
 FLOOR = {noun: floor for floor, nouns in FLOORS.items() for noun in nouns}
@@ -86,5 +86,5 @@ def test_help_loads_nothing_heavy() -> None:
 
 
 def test_loading_a_task_needs_no_viewer_plot_or_compiler() -> None:
-    loaded = loaded_by("import dualarm_pin.task, dualarm_pin.planners.dispatch")
+    loaded = loaded_by("import dualarm_pin.task, dualarm_pin.planners.methods")
     assert not {"numba", "matplotlib", "meshcat", "plotly"} & loaded

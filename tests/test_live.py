@@ -11,16 +11,16 @@ import urllib.request
 import pytest
 
 from dualarm_pin.errors import InputError
-from dualarm_pin.viewer import serve, serving
+from dualarm_pin.show import serve, serving
 
 PROGRAM = """
 import sys
-from dualarm_pin.viewer import serve
+from dualarm_pin.show import serve
 serve(b"<p>here</p>", 0, False, ready=lambda a: print(a, flush=True))
 print("ended well", flush=True)
 """
 CRASH = """
-from dualarm_pin.viewer import serving
+from dualarm_pin.show import serving
 with serving(b"x") as address:
     print(address, flush=True)
     raise RuntimeError("on purpose")

@@ -11,12 +11,12 @@ import pytest
 from dualarm_pin.errors import WorkerError
 from dualarm_pin.evidence.laws import count_laws
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.multistart.anchored import AnchoredSearch, anchor_points
-from dualarm_pin.multistart.coarse import coarse_of
-from dualarm_pin.multistart.starts import common_postures, generator, independent_postures
-from dualarm_pin.multistart.whole import WholePathSearch
-from dualarm_pin.multistart.workers import Workers
 from dualarm_pin.problem import Problem
+from dualarm_pin.search.anchored import AnchoredSearch, anchor_points
+from dualarm_pin.search.coarse import coarse_of
+from dualarm_pin.search.starts import common_postures, generator, independent_postures
+from dualarm_pin.search.whole_path import WholePathSearch
+from dualarm_pin.search.workers import Workers
 from dualarm_pin.solvers.ends import Ends, same_path
 from dualarm_pin.task import Task
 
@@ -173,7 +173,7 @@ def test_starts_that_ctrl_c_cut_off_are_not_counted(
 ) -> None:
     from dataclasses import replace
 
-    from dualarm_pin.solvers import engine
+    from dualarm_pin.solvers import interior_point as engine
 
     solve_many = engine.solve_many
 

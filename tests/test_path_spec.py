@@ -9,13 +9,13 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from dualarm_pin import paths
 from dualarm_pin.errors import InputError, MissingFileError
 from dualarm_pin.files.path_spec import GENERATORS, PathSpec
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.source import check, parse_yaml, read_yaml
 from dualarm_pin.path import Path
-from dualarm_pin.paths import load_path
+from dualarm_pin.path import generators as paths
+from dualarm_pin.path.load import load_path
 
 HERE = FilePath()
 

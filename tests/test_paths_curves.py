@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dualarm_pin import paths
 from dualarm_pin.errors import InputError
+from dualarm_pin.path import generators as paths
 
 FACING = np.diag([1.0, -1.0, -1.0])
 SQUARE = [[0, 0, 0], [0.2, 0, 0], [0.2, 0.2, 0], [0, 0.2, 0]]

@@ -10,9 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from dualarm_pin import paths
 from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.path import Path
+from dualarm_pin.path import Path, files
+from dualarm_pin.path import generators as paths
+from dualarm_pin.path.resample import resample
 
 HEAD = "x,y,z,qw,qx,qy,qz\n"
 HALF = math.sqrt(0.5)
@@ -39,7 +40,7 @@ def test_csv_poses_and_directions(write):
         "\n"
         f"0.1,0,.3, {HALF},0,0,{HALF}, 0,0,1,0,0,2\n"
     )
-    path = paths.read_csv(file)
+    path = files.read_csv(file)
     assert path.name == "part"
     np.testing.assert_allclose(path.position, [[0, 0, 0.3], [0.1, 0, 0.3]])
     np.testing.assert_allclose(path.rotation[1], pin.rpy.rpyToMatrix(0, 0, math.pi / 2), atol=1e-12)
@@ -54,7 +55,7 @@ def test_csv_written_from_a_path_reads_back(write):
         q = pin.Quaternion(path.rotation[i])
         rows.append([*path.position[i], q.w, q.x, q.y, q.z, *path.u[i, :3]])
     text = "\n".join(",".join(repr(float(v)) for v in row) for row in rows)
-    back = paths.read_csv(write(HEAD.strip() + ",ux,uy,uz\n" + text))
+    back = files.read_csv(write(HEAD.strip() + ",ux,uy,uz\n" + text))
     np.testing.assert_allclose(back.position, path.position, atol=1e-15)
     np.testing.assert_allclose(back.rotation, path.rotation, atol=1e-12)
     np.testing.assert_allclose(back.u, path.u, atol=1e-15)
@@ -65,14 +66,14 @@ def test_csv_written_from_a_path_reads_back(write):
 
 def test_csv_rounded_quaternions_are_normalised(write):
     file = write(HEAD + "0,0,0,0.7071,0,0,0.7071\n1,0,0,-0.7071,0,0,-0.7071\n")
-    R = paths.read_csv(file).rotation
+    R = files.read_csv(file).rotation
     np.testing.assert_allclose(R[0] @ R[0].T, np.eye(3), atol=1e-14)
     np.testing.assert_allclose(R[0], R[1])
 
 
 def test_csv_resampled_by_lines(write):
     file = write(HEAD + f"0,0,0,1,0,0,0\n1,0,0,1,0,0,0\n1,1,0,{HALF},0,0,{HALF}\n")
-    path = paths.read_csv(file, points=9)
+    path = files.read_csv(file, points=9)
     np.testing.assert_allclose(path.arc_length, np.linspace(0, 2, 9))
     np.testing.assert_allclose(path.position[6], [1, 0.5, 0], atol=1e-12)
     np.testing.assert_allclose(path.rotation[6], pin.rpy.rpyToMatrix(0, 0, math.pi / 4), atol=1e-9)
@@ -84,7 +85,7 @@ def test_csv_smooth_follows_the_curve_that_the_points_came_from(write):
     text = "x,y,z\n" + "\n".join(f"{math.cos(t)},{math.sin(t)},0.3" for t in a)
     file = write(text)
     for how in ({}, {"points": 97}, {"step": 0.05}):
-        path = paths.read_csv(file, smooth=True, **how)
+        path = files.read_csv(file, smooth=True, **how)
         np.testing.assert_allclose(np.hypot(*path.position[:, :2].T), 1.0, atol=1e-5)
         exact = np.column_stack([-path.position[:, 1], path.position[:, 0], np.zeros(path.h)])
         np.testing.assert_allclose(path.tangent, exact, atol=1e-3)
@@ -93,13 +94,13 @@ def test_csv_smooth_follows_the_curve_that_the_points_came_from(write):
 
 def test_csv_u_between_points(write):
     file = write("x,y,z,ux,uy,uz\n0,0,0,1,0,0\n1,0,0,0,0,1\n")
-    path = paths.read_csv(file, points=3)
+    path = files.read_csv(file, points=3)
     np.testing.assert_allclose(path.u[1], [0.5, 0, 0.5, 0, 0, 0])
 
 
 def test_csv_without_rotation_takes_the_given_one(write):
     file = write("x,y,z\n0,0,0\n0,1,0\n")
-    path = paths.read_csv(file, rotation=np.eye(3), orientation="tangent")
+    path = files.read_csv(file, rotation=np.eye(3), orientation="tangent")
     np.testing.assert_allclose(path.rotation[0][:, 0], [0, 1, 0])
     np.testing.assert_allclose(path.rotation[0][:, 2], [0, 0, 1])
 
@@ -107,7 +108,7 @@ def test_csv_without_rotation_takes_the_given_one(write):
 def test_csv_frame_moves_poses_and_directions(write):
     file = write(HEAD.strip() + ",ux,uy,uz\n0,0,0,1,0,0,0,0,0,1\n1,0,0,1,0,0,0,0,0,1\n")
     frame = pin.SE3(pin.rpy.rpyToMatrix(math.pi / 2, 0, 0), np.array([1.0, 2.0, 3.0]))
-    path = paths.read_csv(file, frame=frame)
+    path = files.read_csv(file, frame=frame)
     assert path.pose(0).isApprox(frame)
     np.testing.assert_allclose(path.u[0], [0, -1, 0, 0, 0, 0], atol=1e-12)
 
@@ -142,22 +143,22 @@ CSV_REFUSED = [
 @pytest.mark.parametrize(("text", "message"), CSV_REFUSED)
 def test_csv_refused(write, text, message):
     with pytest.raises(InputError, match=message):
-        paths.read_csv(write(text))
+        files.read_csv(write(text))
 
 
 def test_csv_that_cannot_be_resampled(write):
     turning = HEAD + P + f"0,0,0,{HALF},0,0,{HALF}\n1,0,0,1,0,0,0\n"
-    assert paths.read_csv(write(turning)).h == 3
+    assert files.read_csv(write(turning)).h == 3
     with pytest.raises(InputError, match=r"part.txt:3: the tool turns on the spot since line 2"):
-        paths.read_csv(write(turning), points=9)
+        files.read_csv(write(turning), points=9)
     file = write(HEAD + P + "1,0,0,1,0,0,0\n")
     with pytest.raises(InputError, match=r"part.txt:1: the file gives the rotation .*`rotation`"):
-        paths.read_csv(file, rotation=np.eye(3))
+        files.read_csv(file, rotation=np.eye(3))
     with pytest.raises(InputError, match=r"points: .*both are given"):
-        paths.read_csv(file, points=3, step=0.1)
+        files.read_csv(file, points=3, step=0.1)
 
 
-@pytest.mark.parametrize("read", [paths.read_csv, paths.read_gcode, paths.read_apt])
+@pytest.mark.parametrize("read", [files.read_csv, files.read_gcode, files.read_apt])
 def test_missing_file(tmp_path, read):
     with pytest.raises(MissingFileError, match=r"none.txt: no such file: check the name"):
         read(tmp_path / "none.txt")
@@ -168,16 +169,16 @@ def test_missing_file(tmp_path, read):
 def test_resample_keeps_what_the_points_say(write):
     path = paths.circle(0.3, points=121, orientation="tangent", free=["spin"] * 61 + ["none"] * 60)
     for smooth, near in ((False, 1e-3), (True, 1e-6)):
-        again = paths.resample(path, points=241, smooth=smooth)
+        again = resample(path, points=241, smooth=smooth)
         np.testing.assert_allclose(np.hypot(*again.position[:, :2].T), 0.3, atol=near)
         np.testing.assert_array_equal(again.u[:, :3], again.tangent)
         np.testing.assert_allclose(again.rotation[::2], path.rotation, atol=1e-5)
         np.testing.assert_array_equal(again.rows, [5] * 122 + [6] * 119)
-    up = paths.resample(path.with_direction([0, 0, 1]), step=0.01)
+    up = resample(path.with_direction([0, 0, 1]), step=0.01)
     np.testing.assert_array_equal(up.u, [[0, 0, 1, 0, 0, 0]] * up.h)
     turning = Path(path.position[[0, 1, 1]], path.rotation[[0, 1, 2]])
     with pytest.raises(InputError, match="the tool turns on the spot at points 2 and 3"):
-        paths.resample(turning, points=9)
+        resample(turning, points=9)
 
 
 # G-code --------------------------------------------------------------------------------------
@@ -198,7 +199,7 @@ G1 X999
 
 
 def test_gcode_by_hand(write):
-    path = paths.read_gcode(
+    path = files.read_gcode(
         write(PART), step=0.0005
     )  # fmt: skip
     assert path.length == pytest.approx(0.005 + 0.010 + math.pi * 0.010 + 0.010, abs=1e-12)
@@ -227,7 +228,7 @@ def test_gcode_by_hand(write):
     ],
 )
 def test_gcode_arcs(write, block, turn, end):
-    path = paths.read_gcode(write(f"G0 X10 Y0 Z0\n{block}\n"), points=181)
+    path = files.read_gcode(write(f"G0 X10 Y0 Z0\n{block}\n"), points=181)
     assert path.length == pytest.approx(0.010 * math.radians(turn))
     np.testing.assert_allclose(path.position[-1], 0.001 * np.array(end), atol=1e-12)
     np.testing.assert_allclose(path.position[0], [0.01, 0, 0], atol=1e-12)
@@ -235,35 +236,35 @@ def test_gcode_arcs(write, block, turn, end):
 
 def test_gcode_direction_of_the_small_and_large_arc(write):
     for sign, turn in ((1, "G3"), (-1, "G2")):
-        path = paths.read_gcode(write(f"G0 X10\n{turn} X-10 I-10\n"), points=3)
+        path = files.read_gcode(write(f"G0 X10\n{turn} X-10 I-10\n"), points=3)
         np.testing.assert_allclose(path.position[1], [0, sign * 0.01, 0], atol=1e-12)
         # R beyond the half chord: the short way leaves the chord on the outer side.
-        path = paths.read_gcode(write(f"G0 X10\n{turn} X-10 R12\n"), points=3)
+        path = files.read_gcode(write(f"G0 X10\n{turn} X-10 R12\n"), points=3)
         assert 0 < sign * path.position[1, 1] < 0.01
 
 
 def test_gcode_helical_arc_inches_and_offset(write):
     file = write("G20 G0 X1 Y0 Z0\nG3 X1 Y0 Z0.5 I-1 J0\n")
-    path = paths.read_gcode(file, points=41, work_offset=(0, 0, 0.3))
+    path = files.read_gcode(file, points=41, work_offset=(0, 0, 0.3))
     np.testing.assert_allclose(np.hypot(*path.position[:, :2].T), 0.0254, atol=1e-12)
     np.testing.assert_allclose(path.position[:, 2], 0.3 + np.linspace(0, 0.0127, 41), atol=1e-12)
 
 
 def test_gcode_dwell_extruder_and_skipped_blocks(write):
-    path = paths.read_gcode(write("G1 X10 E0.5\nG4 X2\n/G1 X20 F100\n"), points=3)
+    path = files.read_gcode(write("G1 X10 E0.5\nG4 X2\n/G1 X20 F100\n"), points=3)
     np.testing.assert_allclose(path.position[:, 0], [0, 0.01, 0.02])
 
 
 def test_gcode_stretches_and_rapids(write):
     file = write("G0 X0\nG1 X10\nG0 Y5\nG1 X0\n")
     with pytest.raises(InputError, match=r"part.txt:4: .* 2 stretches, which start in lines 2, 4"):
-        paths.read_gcode(file, points=5)
-    second = paths.read_gcode(file, points=5, stretch=2)
+        files.read_gcode(file, points=5)
+    second = files.read_gcode(file, points=5, stretch=2)
     np.testing.assert_allclose(second.position[[0, -1]], [[0.01, 0.005, 0], [0, 0.005, 0]])
-    whole = paths.read_gcode(file, points=26, rapids=True)
+    whole = files.read_gcode(file, points=26, rapids=True)
     assert whole.length == pytest.approx(0.025)
     with pytest.raises(InputError, match="stretch: there are 2 stretches; given 3"):
-        paths.read_gcode(file, points=5, stretch=3)
+        files.read_gcode(file, points=5, stretch=3)
 
 
 GCODE_REFUSED = [
@@ -305,7 +306,7 @@ GCODE_REFUSED = [
 @pytest.mark.parametrize(("text", "message"), GCODE_REFUSED)
 def test_gcode_refused(write, text, message):
     with pytest.raises(InputError, match=message):
-        paths.read_gcode(write(text), points=9)
+        files.read_gcode(write(text), points=9)
 
 
 # APT -----------------------------------------------------------------------------------------
@@ -327,7 +328,7 @@ FINI
 
 
 def test_apt_points_and_tool_axis(write):
-    path = paths.read_apt(write(APT))
+    path = files.read_apt(write(APT))
     np.testing.assert_allclose(
         path.position, 0.001 * np.array([[0, 0, 50], [10, 0, 50], [20, 0, 50]])
     )
@@ -338,14 +339,14 @@ def test_apt_points_and_tool_axis(write):
 
 
 def test_apt_resampled_turns_the_axis_evenly(write):
-    path = paths.read_apt(write(APT), points=5)
+    path = files.read_apt(write(APT), points=5)
     np.testing.assert_allclose(np.diff(path.arc_length), 0.005)
     middle = np.array([0, 0.3, 0.9]) / np.linalg.norm([0.3, 0.9])
     np.testing.assert_allclose(path.rotation[1][:, 2], -middle, atol=1e-9)
 
 
 def test_apt_without_axis_keeps_the_given_rotation(write):
-    path = paths.read_apt(write("UNITS/INCHES\nGOTO/0,0,0\nGOTO/1,0,0\nGOTO/1,1,0\n"))
+    path = files.read_apt(write("UNITS/INCHES\nGOTO/0,0,0\nGOTO/1,0,0\nGOTO/1,1,0\n"))
     np.testing.assert_allclose(path.position[-1], [0.0254, 0.0254, 0])
     np.testing.assert_array_equal(path.rotation[0], np.diag([1, -1, -1]))
     np.testing.assert_allclose(path.tangent[1], [HALF, HALF, 0])
@@ -375,7 +376,7 @@ APT_REFUSED = [
 @pytest.mark.parametrize(("text", "message"), APT_REFUSED)
 def test_apt_refused(write, text, message):
     with pytest.raises(InputError, match=message):
-        paths.read_apt(write(text))
+        files.read_apt(write(text))
 
 
 # Anything at all ---------------------------------------------------------------------------
@@ -400,11 +401,11 @@ def text_of(words):
 @pytest.mark.parametrize(
     ("read", "words"),
     [
-        (lambda file: paths.read_gcode(file, points=50), GCODE_WORDS),
-        (lambda file: paths.read_gcode(file, step=0.001, rapids=True), GCODE_WORDS),
-        (paths.read_apt, APT_WORDS),
-        (lambda file: paths.read_csv(file, points=5), CSV_WORDS),
-        (lambda file: paths.read_csv(file, smooth=True), CSV_WORDS),
+        (lambda file: files.read_gcode(file, points=50), GCODE_WORDS),
+        (lambda file: files.read_gcode(file, step=0.001, rapids=True), GCODE_WORDS),
+        (files.read_apt, APT_WORDS),
+        (lambda file: files.read_csv(file, points=5), CSV_WORDS),
+        (lambda file: files.read_csv(file, smooth=True), CSV_WORDS),
     ],
 )
 def test_any_file_is_a_path_or_an_error_that_names_it(tmp_path, read, words):

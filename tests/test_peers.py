@@ -8,10 +8,10 @@ import pytest
 from dualarm_pin import indices
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.multistart.starts import common_postures, generator
-from dualarm_pin.planners.dispatch import plan
+from dualarm_pin.planners.methods import plan
 from dualarm_pin.problem import index_value, pose_residual
 from dualarm_pin.relative import Relative
+from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.task import Task
 
 
@@ -101,7 +101,8 @@ def test_an_index_without_an_expression_is_refused(ca, task):
 
 @pytest.mark.parametrize("plugin", ["ipopt", "fatrop"])
 def test_casadi_ends_where_the_engine_ends(ca, task, plugin):
-    from dualarm_pin.solvers import casadi_ipopt, engine
+    from dualarm_pin.solvers import casadi_ipopt
+    from dualarm_pin.solvers import interior_point as engine
 
     problem = task.problem()
     starts = common_postures(problem.lower, problem.upper, problem.k, 40, generator(0))
@@ -114,7 +115,8 @@ def test_casadi_ends_where_the_engine_ends(ca, task, plugin):
 
 
 def test_casadi_solves_between_fixed_neighbours(ca, task):
-    from dualarm_pin.solvers import casadi_ipopt, engine
+    from dualarm_pin.solvers import casadi_ipopt
+    from dualarm_pin.solvers import interior_point as engine
 
     whole = task.problem()
     starts = common_postures(whole.lower, whole.upper, whole.k, 40, generator(0))

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verify
 from dualarm_pin.errors import UnknownNameError
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.paths import corner
+from dualarm_pin.path.generators import corner
 from dualarm_pin.planners import plan_local, plan_two_stage, polish
-from dualarm_pin.planners.dispatch import plan
+from dualarm_pin.planners.methods import plan
 from dualarm_pin.planners.two_stage import _gaps
 from dualarm_pin.task import Task
-from dualarm_pin.trajectory import Trajectory
-from dualarm_pin.verification import verify
 
 Array = NDArray[np.float64]
 
@@ -181,7 +181,7 @@ def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
     task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     from dualarm_pin.planners import plan_global
-    from dualarm_pin.solvers import engine
+    from dualarm_pin.solvers import interior_point as engine
 
     batches = 0
     solve_many = engine.solve_many

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from ns16_pair import corner, motions, pair
 
-from dualarm_pin import plots
 from dualarm_pin.errors import ShapeError
+from dualarm_pin.show import plots
 
 
 def curves():
@@ -84,5 +84,5 @@ def test_saved_bytes_are_the_same_every_time(tmp_path):
 
 
 def test_pyplot_is_never_imported():
-    code = "import sys, dualarm_pin.plots; assert 'matplotlib.pyplot' not in sys.modules"
+    code = "import sys, dualarm_pin.show.plots; assert 'matplotlib.pyplot' not in sys.modules"
     subprocess.run([sys.executable, "-c", code], check=True)

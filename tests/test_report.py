@@ -10,12 +10,12 @@ import numpy as np
 import pytest
 from ns16_pair import corner, motions, pair
 
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.relative import Relative
-from dualarm_pin.report import Result, report_page, result_of, write_report
+from dualarm_pin.show import Result, report_page, result_of, write_report
 from dualarm_pin.task import Task
-from dualarm_pin.trajectory import Trajectory
 
 SUMMARY = {
     "found": True,

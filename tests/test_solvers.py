@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.relative import Relative
-from dualarm_pin.solvers import engine, nlopt_slsqp
+from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.ends import Ends, distinct
-from dualarm_pin.solvers.nlopt_slsqp import SlsqpOptions
 from dualarm_pin.solvers.projection import project, project_point
+from dualarm_pin.solvers.slsqp import SlsqpOptions
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]

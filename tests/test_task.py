@@ -11,7 +11,7 @@ from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.task_spec import INDEX_NAMES
 from dualarm_pin.indices import force
-from dualarm_pin.paths import corner
+from dualarm_pin.path.generators import corner
 from dualarm_pin.task import Task
 
 TASK = urdf_folder() / "tasks" / "paper_corner.yaml"

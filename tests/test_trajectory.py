@@ -8,8 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from dualarm_pin.answer.trajectory import Evidence, LawCount, Timing, Trajectory
 from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.trajectory import Evidence, LawCount, Timing, Trajectory
 
 REQUIRED = (
     "found method solver objective mean_index arc_mean_index max_index index max_position_error "

@@ -12,9 +12,9 @@ import pytest
 from ns16_pair import corner, motions, pair
 
 from dualarm_pin.errors import InputError, ShapeError
-from dualarm_pin.viewer import Run, build_scene, player_page, write_player
-from dualarm_pin.viewer.scene import Scene
-from dualarm_pin.viewer.triangles import triangles_of
+from dualarm_pin.meshes.triangles import triangles_of
+from dualarm_pin.show import Run, build_scene, player_page, write_player
+from dualarm_pin.show.scene import Scene
 
 
 def runs():

@@ -9,15 +9,15 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from dualarm_pin.bench import cluster
-from dualarm_pin.bench.best import Keeper
 from dualarm_pin.bench.gates import Gate
-from dualarm_pin.bench.rows import Row, RowLog
+from dualarm_pin.bench.kept_trajectories import Keeper
+from dualarm_pin.bench.log.rows import Row, RowLog
+from dualarm_pin.bench.log.table import flatten, write_tables
+from dualarm_pin.bench.log.writer import Writer
 from dualarm_pin.bench.run import Run
-from dualarm_pin.bench.spread import Ended, spread
 from dualarm_pin.bench.suite import Suite
-from dualarm_pin.bench.table import flatten, write_tables
-from dualarm_pin.bench.writer import Writer
+from dualarm_pin.bench.work import cluster
+from dualarm_pin.bench.work.dispatch import Ended, spread
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.progress import SILENT, Progress
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Literal
 
-from dualarm_pin.trajectory import Trajectory
+from dualarm_pin.answer.trajectory import Trajectory
 
 Status = Literal["ok", "not_found", "failed", "crashed", "timed_out"]
 STATUSES: tuple[Status, ...] = ("ok", "not_found", "failed", "crashed", "timed_out")

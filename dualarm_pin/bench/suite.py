@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 from dualarm_pin import __version__
+from dualarm_pin.bench.fingerprints import Fingerprints
 from dualarm_pin.bench.gates import Gate, read_gate
-from dualarm_pin.bench.inputs import Fingerprints
 from dualarm_pin.bench.run import Method, Run, changes
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.files.source import Key, Source, check, read_yaml
@@ -22,7 +22,7 @@ from dualarm_pin.files.suite_spec import (
     StepsSpec,
     SuiteSpec,
 )
-from dualarm_pin.planners.dispatch import EFFORTS, METHODS, SOLVERS
+from dualarm_pin.planners.methods import EFFORTS, METHODS, SOLVERS
 
 _MOST_RUNS = 1_000_000
 

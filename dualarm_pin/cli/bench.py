@@ -35,7 +35,7 @@ def bench(
         resume: Continue the folder: runs that have a row are not repeated.
     """
     from dualarm_pin.bench.batch import run_suite
-    from dualarm_pin.bench.report import write_report
+    from dualarm_pin.bench.report.page import write_report
     from dualarm_pin.bench.suite import Suite
     from dualarm_pin.errors import InputError
 

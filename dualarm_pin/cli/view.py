@@ -28,9 +28,8 @@ def view(
         port: Port of the local page; a free one by default.
         browser: Open the page in the browser.
     """
-    from dualarm_pin.report import report_page, result_of, write_report
-    from dualarm_pin.results import load_result
-    from dualarm_pin.viewer import serve
+    from dualarm_pin.answer.folder import load_result
+    from dualarm_pin.show import report_page, result_of, serve, write_report
 
     if not results:
         raise InputError("name at least one result folder", field="RESULT_DIR")

@@ -13,7 +13,7 @@ from dualarm_pin.evidence.piece_search import PieceSearch, SearchOptions, WideSe
 from dualarm_pin.evidence.pieces import Cuts, split
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.solvers import engine
+from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]

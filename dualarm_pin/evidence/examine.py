@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualarm_pin.answer.trajectory import Evidence
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.evidence.bound import bound_minimum
 from dualarm_pin.evidence.check import check_minimum
 from dualarm_pin.evidence.verdict import Findings, conclude
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.trajectory import Evidence
 
 if TYPE_CHECKING:
     from dualarm_pin.problem import Problem

@@ -10,12 +10,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.multistart import anchored, whole
-from dualarm_pin.multistart.anchored import AnchoredSearch
-from dualarm_pin.multistart.whole import WholePathSearch
+from dualarm_pin.answer.trajectory import LawCount
+from dualarm_pin.search import anchored, whole_path
+from dualarm_pin.search.anchored import AnchoredSearch
+from dualarm_pin.search.whole_path import WholePathSearch
 from dualarm_pin.solvers.ends import Ends, distinct, same_path
 from dualarm_pin.tolerance import TOLERANCE
-from dualarm_pin.trajectory import LawCount
 
 Array = NDArray[np.float64]
 LEAST_STARTS = 300
@@ -38,7 +38,7 @@ def count_laws(
         starts, refined, weight = drawn
         laws[anchored.NAME] = count(refined, best, weight=weight, starts=starts)
     if whole_search.ends is not None:
-        laws[whole.NAME] = count(whole_search.ends, best)
+        laws[whole_path.NAME] = count(whole_search.ends, best)
     return laws
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from dualarm_pin.evidence.bundle import Planes
 from dualarm_pin.evidence.check import near
 from dualarm_pin.evidence.pieces import Piece
-from dualarm_pin.multistart.starts import common_postures, generator
 from dualarm_pin.problem import Problem
-from dualarm_pin.solvers import engine
+from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers.ends import Ends, distinct
 from dualarm_pin.tolerance import TOLERANCE
 

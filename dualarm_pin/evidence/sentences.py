@@ -8,8 +8,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from dualarm_pin.answer.trajectory import LawCount
 from dualarm_pin.evidence.laws import LEAST_HITS, LEAST_STARTS
-from dualarm_pin.trajectory import LawCount
 
 if TYPE_CHECKING:
     from dualarm_pin.evidence.bound import Bound

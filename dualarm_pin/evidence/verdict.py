@@ -8,6 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any
 
+from dualarm_pin.answer.trajectory import Evidence, LawCount
 from dualarm_pin.evidence import sentences
 from dualarm_pin.evidence.bound import Bound
 from dualarm_pin.evidence.check import LocalCheck
@@ -18,7 +19,6 @@ from dualarm_pin.evidence.laws import (
     missed_share,
     unseen_share,
 )
-from dualarm_pin.trajectory import Evidence, LawCount
 
 CLOSED_GAP = 1e-3
 

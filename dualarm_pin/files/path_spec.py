@@ -11,7 +11,7 @@ One generator (or `csv`, `gcode`, `apt`), and how the tool is held:
       frame: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}   # moves the whole path within e1
 
 Lengths in metres; angles in degrees where the key ends in `_deg`. What each key means stands in
-the docstring of the generator of the same name in `dualarm_pin.paths`.
+the docstring of the generator of the same name in `dualarm_pin.path.generators`.
 """
 
 from __future__ import annotations

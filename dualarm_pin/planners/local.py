@@ -15,18 +15,18 @@ import numpy as np
 import quadprog
 from numpy.typing import NDArray
 
+from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.constraints import pose_residual
 from dualarm_pin.errors import UnknownNameError, nearest
-from dualarm_pin.multistart.starts import generator
-from dualarm_pin.planners.finish import Clock, finish
-from dualarm_pin.planners.reach import feasible_postures, unreachable
+from dualarm_pin.planners.unreachable import feasible_postures, unreachable
 from dualarm_pin.problem import Problem, index_gradient
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.relative import Relative
-from dualarm_pin.solvers import nlopt_slsqp
+from dualarm_pin.search.starts import generator
+from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.projection import project_point
 from dualarm_pin.tolerance import TOLERANCE
-from dualarm_pin.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task

@@ -13,15 +13,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.trajectory import Evidence, LawCount, Trajectory
 from dualarm_pin.errors import InputError, MissingExtraError
-from dualarm_pin.multistart.starts import common_postures, generator
-from dualarm_pin.planners.finish import Clock, finish
 from dualarm_pin.planners.local import best_first_posture
-from dualarm_pin.planners.reach import unreachable
+from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solvers import casadi_ipopt
 from dualarm_pin.solvers.projection import project_point
-from dualarm_pin.trajectory import Evidence, LawCount, Trajectory
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task

@@ -16,17 +16,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.multistart.starts import common_postures, generator
-from dualarm_pin.multistart.workers import Workers
-from dualarm_pin.planners.finish import Clock, finish
-from dualarm_pin.planners.reach import unreachable
+from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.trajectory import Evidence, LawCount, Trajectory
+from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.solvers import nlopt_slsqp
+from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.search.workers import Workers
+from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.ends import Ends, distinct
-from dualarm_pin.solvers.nlopt_slsqp import SlsqpOptions
+from dualarm_pin.solvers.slsqp import SlsqpOptions
 from dualarm_pin.solvers.solution import Solution
-from dualarm_pin.trajectory import Evidence, LawCount, Trajectory
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.evidence.laws import count_laws, laws_suffice
-from dualarm_pin.multistart.anchored import AnchoredSearch
-from dualarm_pin.multistart.whole import WholePathSearch
-from dualarm_pin.planners.finish import Clock, finish
-from dualarm_pin.planners.reach import unreachable
+from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.solvers import engine
+from dualarm_pin.search.anchored import AnchoredSearch
+from dualarm_pin.search.whole_path import WholePathSearch
+from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers.ends import Ends
-from dualarm_pin.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task

@@ -1,0 +1,1 @@
+"""The report of a batch: statistics, charts and tables on one page."""

@@ -1,0 +1,153 @@
+"""Tables of the report, as HTML; every name is escaped."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from html import escape
+from typing import Any
+
+from dualarm_pin.bench.gates import Gate
+from dualarm_pin.bench.report import statistics as stats
+from dualarm_pin.bench.report.statistics import Summary
+from dualarm_pin.tolerance import TOLERANCE
+
+_UNKNOWN = "unknown"
+
+
+def gates_table(gates: Sequence[tuple[Gate, str | None]]) -> str:
+    """Return which gates hold, empty without any."""
+    if not gates:
+        return ""
+    lines = []
+    for gate, failure in gates:
+        verdict = (
+            '<td class="words holds">holds</td>'
+            if failure is None
+            else f'<td class="words fails">fails: {escape(failure)}</td>'
+        )
+        lines.append(
+            f'<tr><th>{escape(gate.text)}</th><td class="words">{gate.of}</td>'
+            f'<td class="words">{escape(gate.method)}</td><td class="words">{escape(gate.task)}'
+            f"</td>{verdict}</tr>"
+        )
+    head = _head(["gate", "of", "method", "task", "verdict"], words=5)
+    return f"<h2>Gates</h2>{_table(head, lines)}"
+
+
+def overview_table(rows: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
+    """Return one line a method over all tasks."""
+    times, excesses = stats.times(rows), stats.excesses(rows)
+    lines = []
+    for method in methods:
+        own = [row for row in rows if row["method"] == method]
+        found = sum(row["found"] for row in own)
+        ended = Counter(row["status"] for row in own if row["status"] not in ("ok", "not_found"))
+        finite = [value for value in excesses.get(method, []) if value != float("inf")]
+        violation = max((row["max_bound_violation"] or 0.0 for row in own), default=0.0)
+        excess = stats.shifted_geometric_mean(finite, 0.0)
+        reasons = ", ".join(f"{n} {s.replace('_', ' ')}" for s, n in ended.items())
+        lines.append(
+            f"<tr><th>{escape(method)}</th>{_share(found, len(own))}"
+            f"{_number(None if excess is None else excess - 1.0, '.2%')}"
+            f"{_violation(violation)}"
+            f"{_number(stats.shifted_geometric_mean(times.get(method, [])), '.3g')}"
+            f'<td class="words">{escape(reasons)}</td></tr>'
+        )
+    head = _head(
+        [
+            "method",
+            "found",
+            "objective above best, geometric mean of those found",
+            "largest bound violation of all [rad or m]",
+            f"time, shifted geometric mean (shift {stats.SHIFT:g} s) [s]",
+            "ended otherwise",
+        ]
+    )
+    return _table(head, lines) + (
+        '<p class="quiet">A run that found nothing counts with its time limit in the mean time.</p>'
+    )
+
+
+def problem_table(group: Sequence[Summary]) -> str:
+    """Return the methods on one task side by side."""
+    objectives = [s.objective for s in group if s.objective is not None]
+    least = min(objectives, default=None)
+    lines = []
+    for s in group:
+        best = s.objective is not None and least is not None and s.objective <= least * (1 + 1e-6)
+        lines.append(
+            f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.runs)}"
+            f"{_number(s.objective, '.5g', 'best' if best else '')}"
+            f"{_number(s.mean_index, '.4g')}{_number(s.median_index, '.4g')}"
+            f"{_violation(s.bound_violation)}{_error(s.pose_error)}"
+            f"{_clearance(s)}{_number(s.joint_step, '.3f')}{_number(s.time, '.3g')}"
+            f'<td class="words">{_evidence(s)}</td></tr>'
+        )
+    head = _head(
+        [
+            "method",
+            "found",
+            "objective, best found",
+            "mean index, best",
+            "mean index, median",
+            "bound violation, largest",
+            "pose error, largest",
+            "clearance [m]",
+            "joint step",
+            "time, median [s]",
+            "evidence of the best",
+        ]
+    )
+    return _table(head, lines)
+
+
+def _evidence(s: Summary) -> str:
+    text = s.verdict.replace("_", " ")
+    if s.gap is not None:
+        text += f", gap {s.gap:.2%}"
+    odd = [f"{n} {status.replace('_', ' ')}" for status, n in s.statuses.items() if status != "ok"]
+    return escape("; ".join(filter(None, [text, *odd])))
+
+
+def _table(head: str, lines: Sequence[str]) -> str:
+    return f'<div class="scroll"><table>{head}<tbody>{"".join(lines)}</tbody></table></div>'
+
+
+def _head(names: Sequence[str], words: int = 1) -> str:
+    cells = [
+        f'<th scope="col"{" class=words" if i < words or i == len(names) - 1 else ""}>'
+        f"{escape(name)}</th>"
+        for i, name in enumerate(names)
+    ]
+    return f"<thead><tr>{''.join(cells)}</tr></thead>"
+
+
+def _number(value: float | None, form: str, kind: str = "") -> str:
+    if value is None:
+        return '<td class="none">none</td>'
+    mark = f' class="{kind}"' if kind else ""
+    return f"<td{mark}>{value:{form}}</td>"
+
+
+def _share(found: int, runs: int) -> str:
+    mark = "" if found == runs else ' class="bad"'
+    return f"<td{mark}>{found} of {runs}</td>"
+
+
+def _violation(value: float | None) -> str:
+    bad = value is not None and value > TOLERANCE.bound
+    return _number(value, ".2g", "bad" if bad else "")
+
+
+def _error(value: float | None) -> str:
+    bad = value is not None and value > max(TOLERANCE.position, TOLERANCE.rotation)
+    return _number(value, ".1e", "bad" if bad else "")
+
+
+def _clearance(s: Summary) -> str:
+    if s.objective is None:
+        return '<td class="none">none</td>'
+    if s.clearance is None:
+        return f'<td class="none">{_UNKNOWN}</td>'
+    return _number(s.clearance, ".3f", "bad" if s.clearance <= 0.0 else "")

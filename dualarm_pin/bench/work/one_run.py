@@ -1,0 +1,143 @@
+"""Do one run: load the task, call the method, return the figures of its row."""
+
+from __future__ import annotations
+
+import importlib
+import os
+import platform
+import time
+import traceback
+from collections.abc import Callable
+from datetime import UTC, datetime
+from functools import lru_cache
+from pathlib import Path
+from typing import Any
+
+from dualarm_pin import __version__
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.bench.fingerprints import file_digest
+from dualarm_pin.bench.run import Outcome, Run
+from dualarm_pin.errors import DualArmError, InputError
+from dualarm_pin.task import Task
+
+Planner = Callable[[], Trajectory]
+
+
+def perform(run: Run, keep: bool = True) -> Outcome:
+    """Do a run here and now, without a time limit; never raises for what the run does.
+
+    Args:
+        run: The run.
+        keep: Return the trajectory too.
+    """
+    try:
+        task, planner = prepare(run)
+    except Exception as error:
+        return failed(error)
+    return execute(run, task, planner, keep)
+
+
+def prepare(run: Run) -> tuple[Task, Planner]:
+    """Load what a run needs, so that its time limit counts its own work alone.
+
+    Raises:
+        InputError: Files changed since the batch began, or the worker has another version.
+        DualArmError: As `Task.load`.
+    """
+    if run.version != __version__:
+        raise InputError(
+            f"this worker has dualarm-pin {__version__}, the batch {run.version}: "
+            "install the same version everywhere"
+        )
+    for file, expected in run.inputs.files.items():
+        try:
+            same = file_digest(Path(file)) == expected
+        except OSError as error:
+            raise InputError(
+                f"this worker cannot read it ({error.strerror}): workers on other machines need "
+                "the same files at the same paths",
+                file=file,
+            ) from error
+        if not same:
+            raise InputError("the file changed since the batch began", file=file)
+    task = _task(run.file, run.changes)
+    return task, _planner(run, task)
+
+
+def execute(run: Run, task: Task, planner: Planner, keep: bool) -> Outcome:
+    """Call the planner of a prepared run; a failure is an outcome."""
+    started = datetime.now(UTC)
+    begun = time.perf_counter()
+    try:
+        trajectory = planner()
+        if not isinstance(trajectory, Trajectory):
+            raise TypeError(f"a Trajectory is expected; {run.method.name} returned {trajectory!r}")
+        figures = trajectory.as_dict()
+    except Exception as error:
+        return failed(error)
+    figures["run_s"] = time.perf_counter() - begun
+    figures["started"] = started.isoformat(timespec="milliseconds")
+    figures["machine"] = machine()
+    figures["index_name"], figures["index_units"] = task.index.name, task.index.units
+    figures["smoothness"] = task.smoothness
+    return Outcome(
+        status="ok" if trajectory.found else "not_found",
+        reason="" if trajectory.found else trajectory.message or "no solution was found",
+        figures=figures,
+        trajectory=trajectory if keep else None,
+        task_file=_task_file(task) if keep and task.record is not None else None,
+    )
+
+
+def failed(error: Exception) -> Outcome:
+    """Return the outcome of a run that raised."""
+    text = str(error) or type(error).__name__
+    if not isinstance(error, DualArmError):
+        frame = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{Path(frame.filename).name}:{frame.lineno}"
+        text = f"{type(error).__name__}: {text} ({place})"
+    return Outcome("failed", " ".join(text.split())[:2000], {"machine": machine()})
+
+
+@lru_cache(maxsize=8)
+def _task(file: str, changes: tuple[str, ...]) -> Task:
+    return Task.load(file, changes)
+
+
+@lru_cache(maxsize=8)
+def _task_file(task: Task) -> str:
+    return task.as_yaml()  # writing YAML takes longer than a short run
+
+
+def _planner(run: Run, task: Task) -> Planner:
+    method = run.method
+    if method.call is not None:
+        module, _, name = method.call.partition(":")
+        function = getattr(importlib.import_module(module), name)
+        return lambda: function(task, seed=run.seed, **method.options)
+    from dualarm_pin.planners.methods import plan
+
+    planner = method.planner
+    assert planner is not None  # a method has a planner or a call
+    if planner == "global":
+        from dualarm_pin.solvers import interior_point as engine
+
+        engine.ensure_compiled()
+    return lambda: plan(task, planner, seed=run.seed, jobs=1, **method.options)
+
+
+@lru_cache(maxsize=1)
+def machine() -> dict[str, Any]:
+    """Return what the times were measured on."""
+    processor = platform.processor()
+    try:
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
+        processor = next(x.partition(":")[2].strip() for x in lines if x.startswith("model name"))
+    except (OSError, StopIteration):  # not Linux, or a processor without a name
+        pass
+    return {
+        "host": platform.node(),
+        "system": f"{platform.system()} {platform.release()}",
+        "processor": processor or platform.machine(),
+        "cores": os.cpu_count(),
+    }

@@ -1,0 +1,1 @@
+"""Meshes: load, hull, triangles."""

@@ -1,0 +1,99 @@
+"""Curves in space: helix, and a smooth curve through points."""
+
+from __future__ import annotations
+
+import itertools
+import math
+from typing import Unpack
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from dualarm_pin.arrays import Array
+from dualarm_pin.errors import InputError
+from dualarm_pin.path import Path
+from dualarm_pin.path.generators.curve import Piece, arc_piece
+from dualarm_pin.path.generators.follow import Follow, follow
+from dualarm_pin.path.generators.polyline import distinct
+from dualarm_pin.path.generators.stand import middle, not_zero, positive
+from dualarm_pin.tolerance import TOLERANCE
+
+
+def helix(
+    radius: float,
+    pitch: float,
+    turns: float,
+    *,
+    center: ArrayLike = (0.0, 0.0),
+    height: float = 0.3,
+    start: float = 0.0,
+    **how: Unpack[Follow],
+) -> Path:
+    """Return a helix about z, rising from `height`.
+
+    Args:
+        radius: Above 0 [m].
+        pitch: Rise of one turn [m]; negative to go down.
+        turns: How often it goes round; negative for clockwise seen from +z.
+        center: x and y of the axis [m].
+        height: z of the first point [m].
+        start: Angle of the first point from x [rad].
+        **how: See `Follow`.
+
+    Raises:
+        InputError: A radius that is not positive, or no turn.
+    """
+    positive(radius=radius)
+    not_zero(turns=turns)
+    x = radius * np.array([math.cos(start), math.sin(start), 0.0])
+    y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
+    rise = np.array([0.0, 0.0, pitch * abs(turns)])
+    piece = arc_piece(middle(center, height), x, y, 2 * math.pi * turns, rise=rise)
+    return follow([piece], "helix", how)
+
+
+def spline(through: ArrayLike, *, closed: bool = False, **how: Unpack[Follow]) -> Path:
+    """Return the cubic spline through points, smooth to its second derivative.
+
+    The parameter is the chord length; open ends have no curvature of their own ("not-a-knot").
+
+    Args:
+        through: Shape (k, 3), in e1 [m]; at least 2, or 3 when closed.
+        closed: Go back to the first point, smoothly.
+        **how: See `Follow`.
+
+    Raises:
+        ShapeError: Another shape.
+        InputError: Too few points, or neighbours that coincide.
+    """
+    return follow(spline_pieces(through, "through", closed), "spline", how)
+
+
+def spline_pieces(through: ArrayLike, field: str, closed: bool = False) -> list[Piece]:
+    """Return one cubic piece for each pair of neighbouring points."""
+    from scipy.interpolate import CubicSpline
+
+    points = distinct(through, field)
+    if closed and np.linalg.norm(points[0] - points[-1]) > TOLERANCE.coincident:
+        points = np.vstack([points, points[:1]])
+    if closed and len(points) < 4:
+        message = f"a closed curve needs 3 points or more; given {len(points) - 1}"
+        raise InputError(message, field=field)
+    if closed:
+        points[-1] = points[0]
+    knots = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+    curve = CubicSpline(knots, points, bc_type="periodic" if closed else "not-a-knot")
+    slope = curve.derivative()
+    # A cubic is smooth: 64 panels in all, and a few in each piece, are plenty.
+    panels = max(4, 64 // len(points))
+
+    def piece(a: float, b: float) -> Piece:
+        def point(t: Array) -> Array:
+            return np.asarray(curve(a + t * (b - a)))
+
+        def derivative(t: Array) -> Array:
+            return np.asarray((b - a) * slope(a + t * (b - a)))
+
+        return Piece(point, derivative, even=False, panels=panels)
+
+    return [piece(a, b) for a, b in itertools.pairwise(knots)]

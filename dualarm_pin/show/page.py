@@ -1,0 +1,96 @@
+"""Put a page together: meshcat's viewer, our scripts and styles and the data, all in one file."""
+
+from __future__ import annotations
+
+import html
+import importlib.util
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+
+from dualarm_pin.errors import MissingFileError
+from dualarm_pin.show.binary import squeeze
+
+_WEB = Path(__file__).with_name("web")
+_PLAYER = (
+    "core.js",
+    "robot.js",
+    "marks.js",
+    "view.js",
+    "stage.js",
+    "chart.js",
+    "player.js",
+    "panel.js",
+)
+
+
+def render_page(
+    title: str,
+    data: bytes,
+    *,
+    body: str = "player.html",
+    content: str | None = None,
+    scripts: Sequence[str] = (),
+    styles: Sequence[str] = (),
+) -> bytes:
+    """Return a page that needs nothing but itself: no network, no server, no other file.
+
+    Args:
+        title: Title of the page, any text.
+        data: What `Scene.pack` returned.
+        body: Template of the page's body in `web/`.
+        content: The body itself instead; an element with the id `player` holds the animation.
+        scripts: Further scripts in `web/`, run after the player's.
+        styles: Further style sheets in `web/`.
+
+    Raises:
+        MissingFileError: meshcat is not installed whole.
+    """
+    parts = {
+        "title": html.escape(title),
+        "style": "\n".join(_read(name) for name in ("player.css", *styles)),
+        "body": _read(body) if content is None else content,
+        "viewer": _viewer(),
+        "script": "\n".join(_read(name) for name in (*_PLAYER, *scripts, "start.js")),
+        "data": squeeze(data),
+    }
+    page = _read("page.html")
+    # One pass from left to right: what is put in is never searched for places again.
+    pieces = page.split("{{")
+    filled = [pieces[0]]
+    for piece in pieces[1:]:
+        name, rest = piece.split("}}", 1)
+        filled += [parts[name], rest]
+    return "".join(filled).encode("utf-8")
+
+
+def render_text_page(title: str, content: str, *, styles: Sequence[str] = ()) -> bytes:
+    """Return a page without an animation: a title, a body and style sheets of `web/`."""
+    style = "\n".join(_read(name) for name in ("player.css", *styles))
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">'
+        '<meta name="viewport" content="width=device-width, initial-scale=1">'
+        '<meta http-equiv="Content-Security-Policy" '
+        "content=\"default-src 'none'; style-src 'unsafe-inline'; img-src data:\">"
+        f'<link rel="icon" href="data:,"><title>{html.escape(title)}</title>'
+        f"<style>{style}</style></head><body>{content}</body></html>"
+    ).encode()
+
+
+@cache
+def _viewer() -> str:
+    # Found without importing meshcat, which would take half a second.
+    found = importlib.util.find_spec("meshcat")
+    folder = Path(found.origin).parent if found is not None and found.origin else Path("meshcat")
+    file = folder / "viewer" / "dist" / "main.min.js"
+    try:
+        return squeeze(file.read_bytes())
+    except OSError as error:
+        raise MissingFileError(
+            "the viewer of meshcat is missing: install meshcat 0.3.2 again", file=file
+        ) from error
+
+
+@cache
+def _read(name: str) -> str:
+    return (_WEB / name).read_text(encoding="utf-8")
