@@ -7,8 +7,8 @@ from collections.abc import Callable
 import numpy as np
 
 from dualarm_pin.problem import Problem
+from dualarm_pin.solution import Solution
 from dualarm_pin.solvers import casadi_ipopt
-from dualarm_pin.solvers.solution import Solution
 
 
 def casadi_solver(

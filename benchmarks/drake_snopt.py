@@ -11,8 +11,8 @@ import numpy as np
 from dualarm_pin.engine.solve import evaluate
 from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.problem import Problem
+from dualarm_pin.solution import Solution
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.solution import Solution
 from dualarm_pin.tolerance import TOLERANCE
 
 

@@ -21,8 +21,8 @@ from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import distinct
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import distinct
 from dualarm_pin.task import Task
 
 TASK = urdf_folder() / "tasks" / "paper_corner.yaml"

@@ -25,10 +25,9 @@ from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import Solution, distinct
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers import slsqp as nlopt_slsqp
-from dualarm_pin.solvers.ends import distinct
-from dualarm_pin.solvers.solution import Solution
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]

@@ -58,6 +58,24 @@ def finite(value: ArrayLike, field: str, shape: tuple[int, ...]) -> Array:
     return array
 
 
+def checked(field: str, value: ArrayLike, shape: tuple[int, ...]) -> Array:
+    """Return a finite C-contiguous copy of exactly that shape; one number fills it.
+
+    Raises:
+        ShapeError: Another shape, or not numbers.
+        InputError: A value is NaN or infinite; the message says where.
+    """
+    array = numbers(value, field)
+    if array.ndim == 0:
+        array = np.full(shape, float(array))
+    if array.shape != shape:
+        raise ShapeError(f"has shape {array.shape}, not {shape}", field=field)
+    if not np.isfinite(array).all():
+        at = np.argwhere(~np.isfinite(array))[0].tolist()
+        raise InputError(f"is not finite at {at}: {array[tuple(at)]}", field=field)
+    return np.ascontiguousarray(array)
+
+
 def lengths(vectors: Array, field: str) -> Array:
     """Return the length of each row, shape (h,).
 

@@ -59,6 +59,10 @@ class MissingExtraError(DualArmError, ImportError):
     """An optional library is needed; the message names the extra that brings it."""
 
 
+class EngineError(DualArmError, RuntimeError):
+    """The compiled engine does not agree with Pinocchio: an error of this program."""
+
+
 class WorkerError(DualArmError, RuntimeError):
     """A process that did part of the work died."""
 

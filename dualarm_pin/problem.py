@@ -1,114 +1,304 @@
-"""Problem: the nonlinear programme over k points of a path, (19) and (20) as one code.
+"""Problem: the nonlinear programme over k points of a path, (eq. 19) and (eq. 20) as one record.
 
-    min  sum_i a_i c(q_i) + theta_i . q_i + sum_i lambda_i (dq_i^T diag(m) dq_i)^2
-    s.t. the pose rows of every point,  lower <= q_i <= upper
+    min  sum_i a_i c(q_i) + theta_i . q_i + sum_i lambda_i (dq_i^T diag(m_i) dq_i)^2
+    s.t. the pose rows of every point (eq. 17), further rows g >= 0 or g = 0,
+         lower <= q_i <= upper
 
 with dq_i = q_{i+1} - q_i over the free points and, where they are given, over the links to the
-fixed neighbours before the first and after the last point: none for (19), both for (20).
+fixed neighbours before the first and after the last point: none for (eq. 19), both for (eq. 20).
 
-Values and gradients here come from Pinocchio, one point at a time. They are the reference, and
-what a solver that asks Python for values gets; the engine has compiled ones of its own.
+The arrays here are those that the compiled engine reads. Values and gradients in Python come from
+Pinocchio (`dualarm_pin.reference`); they are what the engine is checked against.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
+import pinocchio as pin
+from numpy.typing import ArrayLike, NDArray
 
-from dualarm_pin.constraints import pose_residual
-from dualarm_pin.errors import ShapeError
+from dualarm_pin import reference
+from dualarm_pin.arrays import checked
+from dualarm_pin.chain import Chain, chain_of, quaternion_of
+from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.indices import Index
+from dualarm_pin.indices.transmission import force_phi
 from dualarm_pin.relative import Relative
+from dualarm_pin.rows.row import Row
+from dualarm_pin.rows.table import RowTable, row_table
+from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
     from dualarm_pin.cell import Cell
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+R = TypeVar("R", bound=NamedTuple)
+FORCE, CALLED = 0, 1
+
+_SIZES = 9  # postures: enough for a median within a factor of two
+_NEAR_ONE = 50.0  # the tolerances of the solvers were tried on indices from 1/50 to 50
+
+
+class Points(NamedTuple):
+    """What differs from point to point; the first axis of every array counts points.
+
+    Attributes:
+        position: (k, 3) wanted position of e2 in e1 [m].
+        rotation: (k, 3, 3) wanted rotation of e2 in e1.
+        quaternion: (k, 4) the same (w, x, y, z), e2 turned so that the spin axis is its z.
+        target_axes: (k, 3, 3) the transposed rotation, e2 turned likewise.
+        pose_rows: (k,) 6 whole pose, 5 spin free, 3 position.
+        u: (k, 6) directions in e1 axes.
+        index_weight: (k,) a_i.
+        linear: (k, n) theta_i.
+    """
+
+    position: Array
+    rotation: Array
+    quaternion: Array
+    target_axes: Array
+    pose_rows: Integers
+    u: Array
+    index_weight: Array
+    linear: Array
+
+
+class Links(NamedTuple):
+    """The link after each point; that after the last one leads nowhere.
+
+    Attributes:
+        weight: (k,) lambda_i.
+        metric: (n,) diagonal m.
+    """
+
+    weight: Array
+    metric: Array
+
+
+class Neighbours(NamedTuple):
+    """Fixed postures before the first point and after the last.
+
+    Attributes:
+        posture: (2, n).
+        weight: (2,) lambda of the links to them, 0 for none.
+    """
+
+    posture: Array
+    weight: Array
+
+
+class IndexTerms(NamedTuple):
+    """The index by value.
+
+    Attributes:
+        kind: FORCE has a kernel of its own, the functions of every other index are CALLED.
+        task_scale: (6,) square roots of the task weights.
+        joint_weights: (n,) diagonal of W.
+        centre: (n,) middle of the bounds.
+        centre_weight: (n,) weight of (q - centre)^2, with the index.
+    """
+
+    kind: int
+    task_scale: Array
+    joint_weights: Array
+    centre: Array
+    centre_weight: Array
+
+
+class Bounds(NamedTuple):
+    """Bounds for a barrier: a fixed variable gets a harmless interval around its value.
+
+    Attributes:
+        lower: (n,) rad or m.
+        upper: (n,).
+        fixed: (f,) columns that must not move.
+        fixed_value: (f,) where they stand.
+    """
+
+    lower: Array
+    upper: Array
+    fixed: Integers
+    fixed_value: Array
 
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """The programme over k points.
+    """The programme over k points; made by `Problem.of`, changed by its methods.
 
     Attributes:
         cell: Two arms.
         index: What is minimised at each point.
-        position: Wanted position of e2 in e1 (k, 3) [m].
-        rotation: Wanted rotation of e2 in e1 (k, 3, 3).
-        rows: Pose rows at each point (k,): 6, 5 (spin about `spin_axis` free) or 3 (position).
-        spin_axis: Unit axis in e2 (3,).
-        u: Directions (k, 6) in e1 axes.
+        rows: What must hold beside the pose.
+        spin_axis: Unit axis in e2 (3,) whose spin is free where a point has 5 pose rows.
         lower: Lower joint bounds (n,) [rad or m].
         upper: Upper joint bounds (n,) [rad or m].
-        link_weight: lambda of each link between neighbours (k - 1,).
-        metric: Diagonal m of the link metric (n,).
-        index_weight: a_i, weight of the index at each point (k,).
-        linear: theta_i, linear term at each point (k, n), or None.
-        before: Fixed neighbour before the first point (n,), or None.
-        before_weight: lambda of that link.
-        after: Fixed neighbour after the last point (n,), or None.
-        after_weight: lambda of that link.
+        size: Typical size of the index on this cell: objectives near it are neither small nor
+            large. 1 where that is true of 1 itself.
+        chain: The joints from e1 to e2, e2 turned so that the spin axis is its z.
+        points: Targets, directions, weights.
+        links: Links between neighbours.
+        neighbours: Fixed postures at both ends.
+        terms: The index by value.
+        bounds: The joint bounds, for a barrier.
+        equalities: Rows that must be zero.
+        inequalities: Rows that must be zero or more.
     """
 
     cell: Cell
     index: Index
-    position: Array
-    rotation: Array
-    rows: NDArray[np.int64]
+    rows: tuple[Row, ...]
     spin_axis: Array
-    u: Array
     lower: Array
     upper: Array
-    link_weight: Array
-    metric: Array
-    index_weight: Array
-    linear: Array | None = None
-    before: Array | None = None
-    before_weight: float = 0.0
-    after: Array | None = None
-    after_weight: float = 0.0
+    size: float
+    chain: Chain
+    points: Points
+    links: Links
+    neighbours: Neighbours
+    terms: IndexTerms
+    bounds: Bounds
+    equalities: RowTable
+    inequalities: RowTable
 
-    def __post_init__(self) -> None:
-        k, n = self.k, self.n
-        expected: dict[str, tuple[int, ...]] = {
-            "rotation": (k, 3, 3),
-            "rows": (k,),
-            "spin_axis": (3,),
-            "u": (k, 6),
-            "upper": (n,),
-            "link_weight": (k - 1,),
-            "metric": (n,),
-            "index_weight": (k,),
-        }
-        expected |= {
-            name: shape
-            for name, shape in (("linear", (k, n)), ("before", (n,)), ("after", (n,)))
-            if getattr(self, name) is not None
-        }
-        for name, shape in expected.items():
-            given = np.shape(getattr(self, name))
-            if given != shape:
-                raise ShapeError(f"expected shape {shape}, given {given}", field=name)
+    @classmethod
+    def of(
+        cls,
+        cell: Cell,
+        index: Index,
+        position: ArrayLike,
+        rotation: ArrayLike,
+        *,
+        lower: ArrayLike,
+        upper: ArrayLike,
+        pose_rows: ArrayLike | None = None,
+        spin_axis: ArrayLike = (0.0, 0.0, 1.0),
+        u: ArrayLike | None = None,
+        link_weight: ArrayLike = 0.0,
+        metric: ArrayLike = 1.0,
+        index_weight: ArrayLike = 1.0,
+        rows: Sequence[Row] = (),
+    ) -> Problem:
+        """State a problem over all points of a path, checked.
+
+        Args:
+            cell: Two arms.
+            index: What is minimised.
+            position: (k, 3) targets of e2 in e1 [m].
+            rotation: (k, 3, 3) targets of e2 in e1, or one for all points.
+            lower: (n,) rad or m; equal to `upper` for a joint that must not move.
+            upper: (n,) rad or m.
+            pose_rows: (k,) 6 (default), 5 or 3 pose rows of every point.
+            spin_axis: (3,) axis in e2 whose spin is free where there are 5.
+            u: (k, 6) directions in e1; zeros if the index needs none.
+            link_weight: (k - 1,) or one number.
+            metric: (n,) or one number: joint metric in the links.
+            index_weight: (k,) or one number.
+            rows: What must hold beside the pose.
+
+        Raises:
+            ShapeError: An array has another shape.
+            InputError: A value is not finite, bounds cross, pose_rows is not 6, 5 or 3, or a row
+                does not fit the cell or the path.
+        """
+        chain = chain_of(cell)
+        n, k = int(chain.columns[0]), np.shape(position)[0] if np.ndim(position) == 2 else 0
+        if not k:
+            raise ShapeError(f"has shape {np.shape(position)}, not (k, 3)", field="position")
+        axis, turn = _spin(spin_axis)
+        low, high = checked("lower", lower, (n,)), checked("upper", upper, (n,))
+        barrier = _barrier_bounds(low, high)
+        given = np.broadcast_to(rotation, (k, 3, 3)) if np.ndim(rotation) == 2 else rotation
+        wanted = checked("rotation", given, (k, 3, 3))
+        turned = wanted @ turn
+        links = checked("link_weight", link_weight, (k - 1,))
+        points = Points(
+            position=checked("position", position, (k, 3)),
+            rotation=wanted,
+            quaternion=np.array([quaternion_of(target) for target in turned]),
+            target_axes=np.ascontiguousarray(turned.transpose(0, 2, 1)),
+            pose_rows=_pose_rows(pose_rows, k),
+            u=np.zeros((k, 6)) if u is None else checked("u", u, (k, 6)),
+            index_weight=checked("index_weight", index_weight, (k,)),
+            linear=np.zeros((k, n)),
+        )
+        tables = [row_table(rows, cell, k, equality=sort, turn=turn) for sort in (True, False)]
+        return cls(
+            cell=cell,
+            index=index,
+            rows=tuple(rows),
+            spin_axis=axis,
+            lower=low,
+            upper=high,
+            size=_typical_size(cell, index, points.u, low, high),
+            chain=_spin_frame(chain, turn),
+            points=points,
+            links=Links(np.append(links, 0.0), checked("metric", metric, (n,))),
+            neighbours=Neighbours(np.zeros((2, n)), np.zeros(2)),
+            terms=_index_terms(index, barrier),
+            bounds=barrier,
+            equalities=tables[0],
+            inequalities=tables[1],
+        )
 
     @property
     def k(self) -> int:
         """Number of free points."""
-        return len(self.position)
+        return len(self.points.position)
 
     @property
     def n(self) -> int:
         """Number of joints."""
         return len(self.lower)
 
+    @property
+    def m(self) -> int:
+        """Room for equality rows at a point: six of the pose, and further ones."""
+        return 6 + int(self.equalities.kind.shape[1])
+
+    def objective(self, q: Array) -> float:
+        """Return the objective at q (k, n), by Pinocchio."""
+        return reference.objective(self, q)
+
+    @cached_property
+    def row_count(self) -> Integers:
+        """Equality rows of each point (k,), pose rows first."""
+        return np.asarray(self.points.pose_rows + self.equalities.size)
+
+    def window(self, first: int, k: int, *, linked: bool = False) -> Problem:
+        """Return the problem over k neighbouring points; a view, nothing is copied.
+
+        A fixed neighbour counts where the path ends.
+
+        Args:
+            first: First point.
+            k: How many.
+            linked: Weigh the neighbours before and after the window as their links do; their
+                postures come with the solve.
+        """
+        after = first + k
+        weight = np.zeros(2)
+        if first == 0:
+            weight[0] = self.neighbours.weight[0]
+        elif linked:
+            weight[0] = self.links.weight[first - 1]
+        if after == self.k:
+            weight[1] = self.neighbours.weight[1]
+        elif linked:
+            weight[1] = self.links.weight[after - 1]
+        return self._taken(
+            slice(first, after), self.links.weight[first:after], weight, self.neighbours.posture
+        )
+
     def subset(
         self,
         points: Sequence[int],
-        link_weight: Array | float,
+        link_weight: ArrayLike,
         before: Array | None = None,
         after: Array | None = None,
     ) -> Problem:
@@ -121,133 +311,147 @@ class Problem:
             before: Fixed neighbour before the first (n,), or None.
             after: Fixed neighbour after the last (n,), or None.
         """
-        points = list(points)
+        chosen = list(points)
         first = 0 if before is None else 1
-        links = first + len(points) - 1 + (after is not None)
-        weights = np.broadcast_to(np.asarray(link_weight, float), (links,))
+        count = first + len(chosen) - 1 + (after is not None)
+        weights = checked("link_weight", link_weight, (count,))
+        posture, weight = np.zeros((2, self.n)), np.zeros(2)
+        if before is not None:
+            posture[0], weight[0] = checked("before", before, (self.n,)), weights[0]
+        if after is not None:
+            posture[1], weight[1] = checked("after", after, (self.n,)), weights[-1]
+        inner = np.append(weights[first : first + len(chosen) - 1], 0.0)
+        return self._taken(chosen, inner, weight, posture)
+
+    def with_points(self, **changes: ArrayLike) -> Problem:
+        """Return the problem with other values of a field of `Points`, except the rotation.
+
+        Raises:
+            ShapeError: An array has another shape.
+            InputError: A value is not finite.
+        """
+        arrays: dict[str, Any] = {}
+        for name, value in changes.items():
+            old = getattr(self.points, name)
+            arrays[name] = checked(name, value, old.shape).astype(old.dtype)
+        return replace(self, points=self.points._replace(**arrays))
+
+    def with_bounds(self, lower: ArrayLike, upper: ArrayLike) -> Problem:
+        """Return the problem with other joint bounds (n,).
+
+        Raises:
+            ShapeError: An array has another shape.
+            InputError: A value is not finite, or bounds cross.
+        """
+        low, high = checked("lower", lower, (self.n,)), checked("upper", upper, (self.n,))
+        bounds = _barrier_bounds(low, high)
+        terms = _index_terms(self.index, bounds)
+        return replace(self, lower=low, upper=high, bounds=bounds, terms=terms)
+
+    def scaled(self) -> Problem:
+        """Return the problem with its objective divided by `size`, for a solver's tolerances."""
+        if self.size == 1.0:
+            return self
+        factor = 1.0 / self.size
         return replace(
             self,
-            position=self.position[points],
-            rotation=self.rotation[points],
-            rows=self.rows[points],
-            u=self.u[points],
-            index_weight=self.index_weight[points],
-            linear=None if self.linear is None else self.linear[points],
-            link_weight=weights[first : first + len(points) - 1].copy(),
-            before=before,
-            before_weight=0.0 if before is None else float(weights[0]),
-            after=after,
-            after_weight=0.0 if after is None else float(weights[-1]),
+            size=1.0,
+            points=self.points._replace(
+                index_weight=self.points.index_weight * factor, linear=self.points.linear * factor
+            ),
+            links=self.links._replace(weight=self.links.weight * factor),
+            neighbours=self.neighbours._replace(weight=self.neighbours.weight * factor),
         )
 
-    def objective(self, q: Array) -> float:
-        """Return the objective at q (k, n)."""
-        value = sum(
-            weight * index_value(self.index, Relative(self.cell, q_i), u, q_i, self.bounds)
-            for weight, q_i, u in zip(self.index_weight, q, self.u, strict=True)
-        )
-        return float(value) + self.coupling(q)[0]
-
-    def objective_and_gradient(self, q: Array) -> tuple[float, Array]:
-        """Return the objective at q (k, n) and its gradient (k, n)."""
-        value, gradient = self.coupling(q)
-        for i, (weight, q_i) in enumerate(zip(self.index_weight, q, strict=True)):
-            c, dc = index_gradient(
-                self.index, Relative(self.cell, q_i), self.u[i], q_i, self.bounds
-            )
-            value += weight * c
-            gradient[i] += weight * dc
-        return value, gradient
-
-    @property
-    def bounds(self) -> tuple[Array, Array]:
-        """Lower and upper joint bounds (n,)."""
-        return self.lower, self.upper
-
-    def coupling(self, q: Array) -> tuple[float, Array]:
-        """Return the linear and link terms at q (k, n), and their gradient (k, n)."""
-        parts = [q]
-        weights = [self.link_weight]
-        if self.before is not None:
-            parts, weights = [self.before[None], *parts], [np.array([self.before_weight]), *weights]
-        if self.after is not None:
-            parts, weights = [*parts, self.after[None]], [*weights, np.array([self.after_weight])]
-        step = np.diff(np.concatenate(parts), axis=0)
-        weight = np.concatenate(weights)
-        squared = np.sum(self.metric * step**2, axis=1)
-        slope = (4.0 * weight * squared)[:, None] * self.metric * step
-        first = 0 if self.before is None else 1
-        gradient = np.zeros_like(q)
-        gradient += np.concatenate([np.zeros((1 - first, q.shape[1])), slope])[: len(q)]
-        gradient -= np.concatenate([slope[first:], np.zeros((1, q.shape[1]))])[: len(q)]
-        value = float(np.sum(weight * squared**2))
-        if self.linear is not None:
-            value += float(np.sum(self.linear * q))
-            gradient += self.linear
-        return value, gradient
-
-    def residual(self, q: Array) -> Array:
-        """Return the pose residuals of all points, one after another."""
-        return np.concatenate(
-            [self.point_residual(i, Relative(self.cell, q_i)) for i, q_i in enumerate(q)]
-        )
-
-    def point_residual(self, i: int, relative: Relative) -> Array:
-        """Return the pose residual (rows_i,) of point i: position [m], then rotation."""
-        return pose_residual(
-            relative, self.position[i], self.rotation[i], int(self.rows[i]), self.spin_axis
-        )[0]
-
-    def point_jacobian(self, i: int, relative: Relative) -> tuple[Array, Array]:
-        """Return the pose residual (rows_i,) of point i and its Jacobian (rows_i, n)."""
-        return pose_residual(
-            relative, self.position[i], self.rotation[i], int(self.rows[i]), self.spin_axis
+    def _taken(
+        self, which: slice | list[int], links: Array, weight: Array, posture: Array
+    ) -> Problem:
+        return replace(
+            self,
+            points=_take(self.points, which),
+            links=Links(links, self.links.metric),
+            neighbours=Neighbours(posture, weight),
+            equalities=_take(self.equalities, which),
+            inequalities=_take(self.inequalities, which),
         )
 
 
-def index_matrix(index: Index, J: Array) -> Array:
-    """Return A = Wt^(1/2) J W J^T Wt^(1/2) (6, 6) of (8)."""
-    rows = J if index.task_weights is None else np.sqrt(index.task_weights)[:, None] * J
-    weighted = rows if index.joint_weights is None else rows * index.joint_weights
-    return rows @ weighted.T
+def _take(record: R, which: slice | list[int]) -> R:
+    """Return a record of arrays over some of its points: views for a slice."""
+    return type(record)(*(array[which] for array in record))
 
 
-def index_value(
-    index: Index, relative: Relative, u: Array, q: Array, bounds: tuple[Array, Array]
-) -> float:
-    """Return c at one point, the additive joint-centre term included.
+def _spin(axis: ArrayLike) -> tuple[Array, Array]:
+    """Return the unit axis (3,) and a rotation (3, 3) whose z it is; the identity for z."""
+    given = checked("spin_axis", axis, (3,))
+    length = np.linalg.norm(given)
+    if length < TOLERANCE.no_length:
+        raise InputError("is the zero vector; give an axis in the e2 frame", field="spin_axis")
+    given = given / length
+    turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), given)
+    return given, np.asarray(turn.toRotationMatrix())
 
-    Args:
-        index: The index.
-        relative: The pair of arms at q.
-        u: Direction (6,) in e1 axes.
-        q: Joints (n,).
-        bounds: Lower and upper bounds (n,), whose middle is the joint centre.
+
+def _spin_frame(chain: Chain, turn: Array) -> Chain:
+    """Return the chain with e2 turned."""
+    last = pin.Quaternion(np.roll(chain.quaternion[-1], -1)).toRotationMatrix()
+    quaternion = chain.quaternion.copy()
+    quaternion[-1] = quaternion_of(last @ turn)
+    return chain._replace(quaternion=quaternion)
+
+
+def _pose_rows(given: ArrayLike | None, k: int) -> Integers:
+    array = np.full(k, 6) if given is None else np.array(given, dtype=np.int64)
+    if array.shape != (k,):
+        raise ShapeError(f"has shape {array.shape}, not ({k},)", field="pose_rows")
+    if not np.isin(array, (6, 5, 3)).all():
+        found = sorted(set(array.tolist()))
+        raise InputError(f"has {found}: allowed are 6, 5 and 3", field="pose_rows")
+    return array.astype(np.int64)
+
+
+def _barrier_bounds(lower: Array, upper: Array) -> Bounds:
+    if (lower > upper).any():
+        at = int(np.argmax(lower > upper))
+        raise InputError(
+            f"column {at} has lower bound {lower[at]} above its upper bound {upper[at]}",
+            field="lower",
+        )
+    fixed = np.flatnonzero(upper - lower < TOLERANCE.fixed_joint)
+    value = 0.5 * (lower[fixed] + upper[fixed])
+    low, high = lower.copy(), upper.copy()
+    low[fixed], high[fixed] = value - 1.0, value + 1.0
+    return Bounds(low, high, fixed, value)
+
+
+def _index_terms(index: Index, bounds: Bounds) -> IndexTerms:
+    n = len(bounds.lower)
+    weights = np.ones(6) if index.task_weights is None else index.task_weights
+    joints = 1.0 if index.joint_weights is None else index.joint_weights
+    half = 0.5 * (bounds.upper - bounds.lower)
+    half[bounds.fixed] = np.inf
+    return IndexTerms(
+        kind=FORCE if index.phi is force_phi else CALLED,
+        task_scale=np.sqrt(weights),
+        joint_weights=checked("joint_weights", joints, (n,)),
+        centre=0.5 * (bounds.lower + bounds.upper),
+        centre_weight=index.joint_centre / half**2,
+    )
+
+
+def _typical_size(cell: Any, index: Index, u: Array, lower: Array, upper: Array) -> float:
+    """Return the median of |c| over a few postures, or 1 where that is near enough.
+
+    A solver's tolerances are absolute: an index of size 1e-3 would stop early, one of 1e4 would
+    never be done.
     """
-    value = float(index.phi(index_matrix(index, relative.J_r), u))
-    return value + _joint_centre(index, q, bounds)[0]
-
-
-def index_gradient(
-    index: Index, relative: Relative, u: Array, q: Array, bounds: tuple[Array, Array]
-) -> tuple[float, Array]:
-    """Return c at one point and dc/dq (n,); the arguments are those of `index_value`."""
-    J = relative.J_r
-    A = index_matrix(index, J)
-    slope = index.gradient(A, u)
-    if index.task_weights is not None:
-        root = np.sqrt(index.task_weights)
-        slope = root[:, None] * slope * root
-    P = slope @ J if index.joint_weights is None else slope @ J * index.joint_weights
-    # dc/dq_l = tr(slope dA_l) = 2 sum_k W_k (slope J_k) . dJ_k/dq_l
-    gradient = 2.0 * (P.ravel() @ relative.dJ_r.reshape(P.size, -1))
-    extra, slope_extra = _joint_centre(index, q, bounds)
-    return float(index.phi(A, u)) + extra, gradient + slope_extra
-
-
-def _joint_centre(index: Index, q: Array, bounds: tuple[Array, Array]) -> tuple[float, Array]:
-    if index.joint_centre == 0.0:
-        return 0.0, np.zeros_like(q)
-    half = np.maximum((bounds[1] - bounds[0]) / 2.0, 1e-12)
-    offset = (q - (bounds[0] + bounds[1]) / 2.0) / half
-    return index.joint_centre * float(offset @ offset), 2.0 * index.joint_centre * offset / half
+    draw = np.random.default_rng(0).uniform(lower, upper, (_SIZES, len(lower)))
+    at = np.linspace(0, len(u) - 1, _SIZES).astype(int)
+    values = [
+        reference.index_value(index, Relative(cell, q), u[i], q, (lower, upper))
+        for q, i in zip(draw, at, strict=True)
+    ]
+    finite = np.abs([value for value in values if np.isfinite(value)])
+    size = float(np.median(finite)) if len(finite) else 1.0
+    near_enough = 1.0 / _NEAR_ONE <= size <= _NEAR_ONE
+    return 1.0 if near_enough or not size > 0.0 else size

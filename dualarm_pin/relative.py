@@ -48,22 +48,9 @@ class Relative:
     def __init__(self, cell: Cell, q: ArrayLike) -> None:
         self.cell = cell
         self.q = np.array(q, dtype=float)
-        model, data = cell.model, cell.data()
-        pin.computeJointJacobians(model, data, cell.model_q(self.q))
-        M1 = pin.updateFramePlacement(model, data, cell.e1)
-        M2 = pin.updateFramePlacement(model, data, cell.e2)
-        self.T_e1_e2 = M1.actInv(M2)
-        J1 = pin.getFrameJacobian(model, data, cell.e1, _ALIGNED)
-        J2 = pin.getFrameJacobian(model, data, cell.e2, _ALIGNED)
-        # v = R1^T (v2 - v1 + [p2 - p1]x w1), w = R1^T (w2 - w1)
-        R1 = M1.rotation
-        J2 -= J1
-        J2[:3] += pin.skew(M2.translation - M1.translation) @ J1[3:]
-        J = np.empty(J2.shape)
-        np.matmul(R1.T, J2[:3], out=J[:3])
-        np.matmul(R1.T, J2[3:], out=J[3:])
-        self._J_model = J
-        self.J_r = J if cell.same_order else J @ cell.joint_map
+        self.T_e1_e2, self._J_model = _motion_in_model(cell, cell.e1, cell.e2, self.q)
+        J = self._J_model
+        self.J_r: Array = J if cell.same_order else J @ cell.joint_map
 
     @cached_property
     def dJ_r(self) -> Array:
@@ -78,15 +65,54 @@ class Relative:
         early = _chain_order(self.cell)
         skew = (_SKEW @ J[3:]).reshape(3, 3, n).transpose(0, 2, 1).reshape(3 * n, 3)
         cross = (skew @ J.reshape(2, 3, n)).reshape(2, 3, n, n)  # [., a, l, k] = (w_l x J_k)_a
-        dJ = np.empty((2, 3, n, n))
+        parts = np.empty((2, 3, n, n))
         turned = cross.transpose(0, 1, 3, 2)  # [., a, k, l]
-        np.copyto(dJ[0], np.where(early, turned[0], cross[0]))
-        np.multiply(turned[1], early, out=dJ[1])
-        dJ = dJ.reshape(6, n, n)
+        np.copyto(parts[0], np.where(early, turned[0], cross[0]))
+        np.multiply(turned[1], early, out=parts[1])
+        dJ: Array = parts.reshape(6, n, n)
         if self.cell.same_order:
             return dJ
         P = self.cell.joint_map
         return np.ascontiguousarray(P.T @ (dJ @ P))
+
+
+def relative_motion(cell: Cell, first: int, second: int, q: ArrayLike) -> tuple[pin.SE3, Array]:
+    """Return the pose of one frame in another, and the Jacobian of that motion.
+
+    Args:
+        cell: The two arms.
+        first: Frame id of the one that looks; 0 is the world.
+        second: Frame id of the one that is looked at.
+        q: Joints (n,) [rad or m].
+
+    Returns:
+        Pose (`pin.SE3`) and Jacobian (6, n) [linear; angular] in axes of the first frame.
+
+    Raises:
+        ShapeError: q does not have n values.
+    """
+    T, J = _motion_in_model(cell, first, second, q)
+    return T, J if cell.same_order else J @ cell.joint_map
+
+
+def _motion_in_model(cell: Cell, first: int, second: int, q: ArrayLike) -> tuple[pin.SE3, Array]:
+    """Return pose and Jacobian (6, nv) by the joints of the model."""
+    model, data = cell.model, cell.data()
+    pin.computeJointJacobians(model, data, cell.model_q(q))
+    M1 = pin.updateFramePlacement(model, data, first)
+    M2 = pin.updateFramePlacement(model, data, second)
+    if not model.nv:  # Pinocchio crashes on the Jacobian of a model without joints
+        return M1.actInv(M2), np.zeros((6, 0))
+    J1 = pin.getFrameJacobian(model, data, first, _ALIGNED)
+    J2 = pin.getFrameJacobian(model, data, second, _ALIGNED)
+    # v = R1^T (v2 - v1 + [p2 - p1]x w1), w = R1^T (w2 - w1)
+    R1 = M1.rotation
+    J2 -= J1
+    J2[:3] += pin.skew(M2.translation - M1.translation) @ J1[3:]
+    J = np.empty(J2.shape)
+    np.matmul(R1.T, J2[:3], out=J[:3])
+    np.matmul(R1.T, J2[3:], out=J[3:])
+    return M1.actInv(M2), J
 
 
 _ORDER: weakref.WeakKeyDictionary[Cell, NDArray[np.bool_]] = weakref.WeakKeyDictionary()

@@ -24,6 +24,7 @@ from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
 from dualarm_pin.path.load import load_path
 from dualarm_pin.problem import Problem
+from dualarm_pin.rows import Row
 
 Array = NDArray[np.float64]
 LEAST_POINTS = 2
@@ -43,6 +44,7 @@ class Task:
         Gamma: Points of the paper's first stage, from 0; the first and the last are among them.
         metric: How the joints count in a step, diagonal (n,).
         per_arc_length: lambda follows the arc length: lambda (mean ds / ds)^4 for each link.
+        rows: What must hold at points of the path beside the pose.
         name: Name for tables.
         record: The content of a complete task file, if the task came from one.
     """
@@ -55,6 +57,7 @@ class Task:
     Gamma: tuple[int, ...] = ()
     metric: Array | None = None
     per_arc_length: bool = False
+    rows: tuple[Row, ...] = ()
     name: str = "task"
     record: Mapping[str, Any] | None = None
 
@@ -138,21 +141,21 @@ class Task:
         )
 
     def problem(self) -> Problem:
-        """Return the problem over all points of the path, (19)."""
+        """Return the problem over all points of the path (eq. 19)."""
         assert self.metric is not None  # set when the task was made
-        return Problem(
-            cell=self.cell,
-            index=self.index,
-            position=self.path.position,
-            rotation=self.path.rotation,
-            rows=self.path.rows,
-            spin_axis=self.path.spin_axis,
-            u=self.path.u,
+        return Problem.of(
+            self.cell,
+            self.index,
+            self.path.position,
+            self.path.rotation,
             lower=self.cell.lower,
             upper=self.cell.upper,
+            pose_rows=self.path.rows,
+            spin_axis=self.path.spin_axis,
+            u=self.path.u,
             link_weight=self.link_weights(range(self.path.h), self.smoothness),
             metric=self.metric,
-            index_weight=np.ones(self.path.h),
+            rows=self.rows,
         )
 
     def link_weights(self, points: Sequence[int], smoothness: float) -> Array:

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.engine.chain import Chain, chain_from_model
-from dualarm_pin.engine.layout import Problem
-from dualarm_pin.engine.solve import problem_data
 from dualarm_pin.indices import Index, force
+from dualarm_pin.problem import Problem
+from dualarm_pin.rows import Row
 
 # xyz and rpy of joint_1 .. joint_6 and of the flange, each joint about its own z
 _NS16 = [
@@ -24,6 +23,26 @@ _NS16 = [
     ((0, 0, -0.029), (pi, 0, pi)),
 ]
 TABLE_I = np.deg2rad([[-60, 60], [-45, 90], [-150, 45], [-90, 90], [-90, 90], [-90, 90]])
+
+
+class BareCell:
+    """A Pinocchio model and two frames, as far as a problem needs a cell."""
+
+    def __init__(
+        self, model: Any, e1: int, e2: int, joint_map: Any = None, joint_offset: Any = None
+    ) -> None:
+        self.model, self.e1, self.e2, self.name = model, e1, e2, "bare"
+        self.joint_map = np.eye(model.nv) if joint_map is None else joint_map
+        self.joint_offset = np.zeros(model.nv) if joint_offset is None else joint_offset
+        self.n = self.joint_map.shape[1]
+        self.same_order = joint_map is None and joint_offset is None
+        self.joint_names = tuple(f"joint {k}" for k in range(self.n))
+
+    def model_q(self, q: Any) -> Any:
+        return self.joint_map @ np.asarray(q, dtype=float) + self.joint_offset
+
+    def data(self) -> Any:
+        return self.model.createData()
 
 
 def ns16_pair(base2: Any = None) -> tuple[Any, int, int]:
@@ -45,8 +64,8 @@ def ns16_pair(base2: Any = None) -> tuple[Any, int, int]:
     return model, tips[0], tips[1]
 
 
-def ns16_chain(base2: Any = None) -> Chain:
-    return chain_from_model(*ns16_pair(base2))
+def ns16_cell(base2: Any = None) -> BareCell:
+    return BareCell(*ns16_pair(base2))
 
 
 def corner(
@@ -81,8 +100,10 @@ def paper_problem(
         "u": np.hstack([tangent, np.zeros((h, 3))]),
         "link_weight": np.full(h - 1, smoothness),
     }
-    chain = changes.pop("chain", None) or ns16_chain()
-    return problem_data(chain, index or force(), position, **(stated | changes))
+    cell = changes.pop("cell", None) or ns16_cell()
+    of_points = {name: changes.pop(name) for name in ("linear",) if name in changes}
+    problem = Problem.of(cell, index or force(), position, **(stated | changes))
+    return problem.with_points(**of_points)
 
 
 def random_pair(seed: int, joints: tuple[int, int] = (5, 5), prismatic: float = 0.25) -> Any:
@@ -111,7 +132,9 @@ def _random_place(rng: np.random.Generator) -> Any:
     return pin.SE3(turn, rng.uniform(-0.4, 0.4, 3))
 
 
-def random_problem(seed: int, index: Index, k: int = 4, mimic: bool = True) -> Problem:
+def random_problem(
+    seed: int, index: Index, k: int = 4, mimic: bool = True, rows: tuple[Row, ...] = ()
+) -> Problem:
     """Return a problem on a random pair with every kind of point, weight and link.
 
     With `mimic` the model has ten joints and nine variables: two joints follow one variable, one
@@ -129,22 +152,21 @@ def random_problem(seed: int, index: Index, k: int = 4, mimic: bool = True) -> P
     else:
         joint_map, offset = np.eye(n), np.zeros(n)
     rotation = np.array([_random_place(rng).rotation for _ in range(k)])
-    return problem_data(
-        chain_from_model(model, e1, e2, joint_map, offset),
+    problem = Problem.of(
+        BareCell(model, e1, e2, joint_map, offset),
         index,
         rng.normal(size=(k, 3)),
         rotation,
         lower=np.full(n, -2.0),
         upper=rng.uniform(1.5, 2.5, n),
-        rows=[(6, 5, 3)[i % 3] for i in range(k)],
+        pose_rows=[(6, 5, 3)[i % 3] for i in range(k)],
         spin_axis=rng.normal(size=3),
         u=rng.normal(size=(k, 6)),
         link_weight=rng.uniform(0.0, 3.0, k - 1),
         metric=rng.uniform(0.5, 2.0, n),
         index_weight=rng.uniform(0.0, 2.0, k),
-        linear=rng.normal(size=(k, n)),
-        before=rng.normal(size=n),
-        before_weight=1.3,
-        after=rng.normal(size=n),
-        after_weight=0.4,
+        rows=rows,
     )
+    weights = np.concatenate([[1.3], problem.links.weight[:-1], [0.4]])
+    linked = problem.subset(range(k), weights, rng.normal(size=n), rng.normal(size=n))
+    return linked.with_points(linear=rng.normal(size=(k, n)))

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures
+from dualarm_pin.solution import Minima, distinct
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import Minima, distinct
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]

@@ -8,11 +8,11 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
-from engine_cases import ns16_chain, random_pair, random_problem
+from engine_cases import BareCell, ns16_cell, random_pair, random_problem
 
 from dualarm_pin import indices
-from dualarm_pin.engine.chain import chain_from_model
-from dualarm_pin.engine.solve import evaluate, problem_data
+from dualarm_pin.engine.solve import evaluate
+from dualarm_pin.problem import Problem
 
 INDICES = [
     indices.force(),
@@ -53,8 +53,8 @@ def full_hessian(data, at):
     for i in range(k):
         H[i, :, i] = at.hessian[i]
     for i in range(k - 1):
-        bend = 8.0 * data.points.link_weight[i] * np.outer(at.link[i], at.link[i])
-        H[i + 1, :, i] = H[i, :, i + 1] = -(at.stiffness[i] * np.diag(data.metric) + bend)
+        bend = 8.0 * data.links.weight[i] * np.outer(at.link[i], at.link[i])
+        H[i + 1, :, i] = H[i, :, i + 1] = -(at.stiffness[i] * np.diag(data.links.metric) + bend)
     return H.reshape(k * n, k * n)
 
 
@@ -72,7 +72,7 @@ def test_gradient_and_hessian(index, seed):
 
     def lagrangian_gradient(x):
         there = evaluate(data, x)
-        rows = np.arange(6) < data.points.rows[:, None]
+        rows = np.arange(6) < data.points.pose_rows[:, None]
         return (there.gradient + np.einsum("ir,irk->ik", y * rows, there.jacobian)).ravel()
 
     hessian = differences(lagrangian_gradient, q, 1e-6)
@@ -88,7 +88,7 @@ def test_residual_jacobian(seed):
     jacobian = differences(lambda x: evaluate(data, x).residual.ravel(), q, 1e-6)
     k, n = q.shape
     jacobian = jacobian.reshape(k, 6, k, n)
-    for i, rows in enumerate(data.points.rows):
+    for i, rows in enumerate(data.points.pose_rows):
         assert np.abs(at.jacobian[i, :rows] - jacobian[i, :rows, i]).max() < 1e-8
         assert np.array_equal(at.residual[i, rows:], np.zeros(6 - rows))
 
@@ -124,17 +124,17 @@ def test_residual_vanishes_at_the_pose_and_only_there(rows):
     T = pose_of(model, e1, e2, q)
     axis = rng.normal(size=3)
     axis /= np.linalg.norm(axis)
-    chain = chain_from_model(model, e1, e2)
+    cell = BareCell(model, e1, e2)
 
     def residual(turn):
-        data = problem_data(
-            chain,
+        data = Problem.of(
+            cell,
             indices.force(),
             T.translation[None],
             (T.rotation @ turn)[None],
             lower=np.full(model.nv, -3),
             upper=np.full(model.nv, 3),
-            rows=[rows],
+            pose_rows=[rows],
             spin_axis=axis,
         )
         return evaluate(data, q[None]).residual[0]
@@ -156,11 +156,11 @@ def test_residual_vanishes_at_the_pose_and_only_there(rows):
 @pytest.mark.parametrize("joints", [(5, 6), (0, 7), (4, 0), (0, 0)])
 def test_relative_jacobian_equals_pinocchio(joints):
     model, e1, e2 = random_pair(11, joints)
-    chain = chain_from_model(model, e1, e2)
+    cell = BareCell(model, e1, e2)
     q = np.random.default_rng(1).uniform(-1, 1, model.nv)
     T = pose_of(model, e1, e2, q)
-    data = problem_data(
-        chain,
+    data = Problem.of(
+        cell,
         indices.force(),
         T.translation[None],
         T.rotation[None],
@@ -181,11 +181,11 @@ def test_mimic_joint_and_common_joint():
     joint_map[:5] = np.eye(5)
     joint_map[5, 1] = 2.0
     offset = np.array([0, 0, 0, 0, 0, 0.4])
-    chain = chain_from_model(model, e1, e2, joint_map, offset)
+    cell = BareCell(model, e1, e2, joint_map, offset)
     q = np.random.default_rng(2).uniform(-1, 1, 5)
     T = pose_of(model, e1, e2, joint_map @ q + offset)
-    data = problem_data(
-        chain,
+    data = Problem.of(
+        cell,
         indices.force(),
         T.translation[None],
         T.rotation[None],
@@ -203,10 +203,10 @@ def test_published_cell_reference():
     file = Path(__file__).parent / "data" / "ns16_reference.json"
     if not file.exists():
         pytest.skip("tests/data/ns16_reference.json is missing")
-    chain = ns16_chain()
+    cell = ns16_cell()
     for case in json.loads(file.read_text())["cases"]:
-        data = problem_data(
-            chain,
+        data = Problem.of(
+            cell,
             indices.force(),
             [case["position"]],
             [case["rotation"]],

@@ -6,7 +6,7 @@ import numba
 import numpy as np
 import pytest
 
-from dualarm_pin.engine.linear_algebra import (
+from dualarm_pin.engine.interior_point.linear_algebra import (
     block_cholesky,
     block_solve,
     orthonormal_basis,

@@ -8,10 +8,11 @@ import pytest
 from robot_table import NAMES, arguments, needs_robots
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.engine.chain import chain_from_model
-from dualarm_pin.engine.solve import INFEASIBLE, evaluate, problem_data, solve_batch
+from dualarm_pin.engine.solve import evaluate, solve_many
 from dualarm_pin.indices import force
+from dualarm_pin.problem import Problem
 from dualarm_pin.relative import Relative
+from dualarm_pin.solution import STATUS
 
 pytestmark = needs_robots
 BASE2 = pin.SE3(pin.rpy.rpyToMatrix(0.1, -0.2, 3.0), np.array([1.2, 0.3, 0.1]))
@@ -23,8 +24,8 @@ def load(name: str) -> Cell:
 
 
 def data_at(cell, targets, **stated):
-    return problem_data(
-        chain_from_model(cell.model, cell.e1, cell.e2, cell.joint_map, cell.joint_offset),
+    return Problem.of(
+        cell,
         force(),
         [T.translation for T in targets],
         [T.rotation for T in targets],
@@ -57,7 +58,7 @@ def test_too_few_joints_is_infeasible_not_wrong(name):
     near = Relative(cell, q).T_e1_e2
     off = pin.SE3(near.rotation @ pin.exp3(np.array([0.7, -0.9, 0.4])), near.translation + 0.3)
     starts = rng.uniform(cell.lower, cell.upper, (4, 1, cell.n))
-    batch = solve_batch(data_at(cell, [off], u=[[1, 0, 0, 0, 0, 0]]), starts)
-    assert not batch.feasible().any()
-    assert (batch.status == INFEASIBLE).any()
+    batch = solve_many(data_at(cell, [off], u=[[1, 0, 0, 0, 0, 0]]), starts)
+    assert not batch.feasible.any()
+    assert (batch.status == STATUS.index("infeasible")).all()
     assert np.isfinite(batch.q).all()

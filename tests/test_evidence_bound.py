@@ -41,12 +41,11 @@ def full_problem() -> Problem:
     """Return a problem that uses every term there is."""
     random = np.random.default_rng(2)
     problem = whole().subset(range(2, 11), random.uniform(1, 3, 10), np.zeros(12), np.ones(12))
-    return replace(
-        problem,
-        index_weight=random.uniform(0.5, 2.0, 9),
-        linear=random.standard_normal((9, 12)),
-        metric=random.uniform(0.5, 2.0, 12),
+    weighted = problem.with_points(
+        index_weight=random.uniform(0.5, 2.0, 9), linear=random.standard_normal((9, 12))
     )
+    links = problem.links._replace(metric=random.uniform(0.5, 2.0, 12))
+    return replace(weighted, links=links)
 
 
 @pytest.mark.parametrize("cuts", [(), (4,), (1, 2), (2, 5, 7), tuple(range(1, 8))])
@@ -214,7 +213,7 @@ def test_a_very_short_path_is_not_cut_but_searched_anew(points: list[int]) -> No
 
 
 def test_a_free_tool_spin_is_bounded_too() -> None:
-    problem = replace(six_points(), rows=np.full(6, 5))
+    problem = six_points().with_points(pose_rows=np.full(6, 5))
     q = polished(problem, minima_of_six().ends.q[0])
     found = lower_bound(problem, q, seed=0, jobs=2, options=SMALL)
     assert found is not None

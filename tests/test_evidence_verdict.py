@@ -24,7 +24,7 @@ from dualarm_pin.evidence.laws import (
 )
 from dualarm_pin.evidence.sentences import STOPPING_RULE
 from dualarm_pin.evidence.verdict import Findings, conclude
-from dualarm_pin.solvers.ends import Ends
+from dualarm_pin.solution import Solutions
 
 FORBIDDEN = ("global", "certified", "optimal within", "chance of being", "guarantee", "proven")
 STRICT = LocalCheck(
@@ -166,12 +166,13 @@ def test_without_a_bound_the_stopping_rule_is_printed() -> None:
         assert line.endswith(end)
 
 
-def ends(*minimum: int, converged: int | None = None) -> Ends:
+def ends(*minimum: int, converged: int | None = None) -> Solutions:
     """Return one end per number: number m is minimum m, at 0.1 m and with objective m."""
     m = np.array(minimum, dtype=float)
     ok = np.arange(len(m)) < (len(m) if converged is None else converged)
     q = np.tile(0.1 * m[:, None, None], (1, 2, 3))
-    return Ends(q, m, np.zeros(len(m)), ok, ok, np.ones(len(m), dtype=np.int64))
+    ones = np.ones(len(m), dtype=np.int64)
+    return Solutions(q, m, np.zeros(len(m)), ok, ok, ones, ~ok & ok, ones)
 
 
 def test_counts_of_one_law() -> None:

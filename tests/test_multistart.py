@@ -12,12 +12,13 @@ from dualarm_pin.errors import WorkerError
 from dualarm_pin.evidence.laws import count_laws
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
+from dualarm_pin.reference import coupling
 from dualarm_pin.search.anchored import AnchoredSearch, anchor_points
 from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.starts import common_postures, generator, independent_postures
 from dualarm_pin.search.whole_path import WholePathSearch
 from dualarm_pin.search.workers import Workers
-from dualarm_pin.solvers.ends import Ends, same_path
+from dualarm_pin.solution import Solutions, same_path
 from dualarm_pin.task import Task
 
 
@@ -59,7 +60,8 @@ def test_the_anchored_law_counts_every_posture_once(problem: Problem) -> None:
     search.refine_all(40)
     drawn = search.starts_by_path()
     assert drawn is not None
-    alone = sum(int(a.alone.converged.sum()) for a in search.anchors if a.alone is not None)
+    ends_alone = [anchor.alone for anchor in search.anchors if anchor.alone is not None]
+    alone = sum(int((ends.converged & ~ends.saddle).sum()) for ends in ends_alone)
     assert drawn[2].sum() == alone  # every posture that reached its anchor leads somewhere
 
 
@@ -84,12 +86,12 @@ def test_the_coarse_path_stands_for_the_whole(problem: Problem) -> None:
     coarse = coarse_of(whole)
     assert coarse.points[0] == 0
     assert coarse.points[-1] == 30
-    assert coarse.problem.index_weight.sum() == pytest.approx(31)
+    assert coarse.problem.points.index_weight.sum() == pytest.approx(31)
     # A path that moves evenly costs the same in links, coarse or whole.
     ends = np.random.default_rng(0).uniform(-1, 1, (2, 12))
     even = np.linspace(ends[0], ends[1], 31)
-    links = coarse.problem.coupling(even[coarse.points])[0]
-    assert links == pytest.approx(whole.coupling(even)[0], rel=1e-9)
+    links = coupling(coarse.problem, even[coarse.points])[0]
+    assert links == pytest.approx(coupling(whole, even)[0], rel=1e-9)
     np.testing.assert_allclose(coarse.start(even[coarse.points]), even, atol=1e-12)
 
 
@@ -177,7 +179,7 @@ def test_starts_that_ctrl_c_cut_off_are_not_counted(
 
     solve_many = engine.solve_many
 
-    def cut_off(*arguments: object, **options: object) -> Ends:
+    def cut_off(*arguments: object, **options: object) -> Solutions:
         ends = solve_many(*arguments, **options)  # type: ignore[arg-type]
         half = np.arange(len(ends)) < len(ends) // 2
         residual = np.where(half, ends.residual, np.inf)

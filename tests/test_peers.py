@@ -9,7 +9,7 @@ from dualarm_pin import indices
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners.methods import plan
-from dualarm_pin.problem import index_value, pose_residual
+from dualarm_pin.reference import index_value, pose_residual
 from dualarm_pin.relative import Relative
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.task import Task
@@ -32,7 +32,7 @@ def test_symbolic_kinematics_equal_pinocchio(ca, task):
     from dualarm_pin.solvers.casadi_model import kinematics
 
     q = ca.SX.sym("q", task.cell.n)
-    function = ca.Function("f", [q], [ca.densify(x) for x in kinematics(task.cell, q)])
+    function = ca.Function("f", [q], [ca.densify(x) for x in kinematics(task.cell, q)[:4]])
     random = generator(1)
     for _ in range(20):
         x = random.uniform(task.cell.lower, task.cell.upper)
@@ -45,7 +45,7 @@ def test_symbolic_kinematics_equal_pinocchio(ca, task):
 
 @pytest.mark.parametrize("rows", [6, 5, 3])
 def test_pose_rows_equal_those_of_the_problem(ca, task, rows):
-    from dualarm_pin.engine.chain import quaternion_of
+    from dualarm_pin.chain import quaternion_of
     from dualarm_pin.solvers.casadi_model import kinematics, pose_rows
 
     axis = np.array([0.6, 0.0, 0.8])

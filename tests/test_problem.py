@@ -9,12 +9,13 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
-from dualarm_pin.constraints import pose_residual
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import force
 from dualarm_pin.problem import Problem
+from dualarm_pin.reference import coupling, objective_and_gradient
 from dualarm_pin.relative import Relative
+from dualarm_pin.rows.pose import pose_residual
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -52,16 +53,23 @@ VARIANTS = {
 }
 
 
+def changed(problem: Problem, changes: dict[str, object]) -> Problem:
+    """Return the problem with another index, metric or field of its points."""
+    if "index" in changes:
+        return replace(problem, index=changes["index"])  # type: ignore[arg-type]
+    if "metric" in changes:
+        return replace(problem, links=problem.links._replace(metric=changes["metric"]))  # type: ignore[arg-type]
+    return problem.with_points(**changes)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize("changes", VARIANTS.values(), ids=VARIANTS)
 def test_gradient_is_the_derivative_of_the_objective(
     task: Task, random: np.random.Generator, changes: dict[str, object]
 ) -> None:
     problem = task.problem().subset([0, 14, 30], 1.5)
-    problem = replace(problem, **changes)  # type: ignore[arg-type]
-    u = random.normal(size=(3, 6))
-    problem = replace(problem, u=u)
+    problem = changed(problem, changes).with_points(u=random.normal(size=(3, 6)))
     q = random.uniform(problem.lower, problem.upper, (3, 12))
-    value, gradient = problem.objective_and_gradient(q)
+    value, gradient = objective_and_gradient(problem, q)
     assert value == pytest.approx(problem.objective(q), rel=1e-12)
     wanted = differences(problem.objective, q).reshape(q.shape)
     np.testing.assert_allclose(gradient, wanted, atol=2e-6 * max(1.0, np.abs(wanted).max()))
@@ -83,15 +91,15 @@ def test_fixed_neighbours_make_eq_20_of_eq_19(
     fixed = [i for i in range(5) if not first <= i < last]
     alone = sum(whole.subset([i], 0.0).objective(q[[i]]) for i in fixed)
     assert inner.objective(q[first:last]) + alone == pytest.approx(whole.objective(q), rel=1e-12)
-    gradient = inner.objective_and_gradient(q[first:last])[1]
-    np.testing.assert_allclose(gradient, whole.objective_and_gradient(q)[1][first:last], atol=1e-9)
+    gradient = objective_and_gradient(inner, q[first:last])[1]
+    np.testing.assert_allclose(gradient, objective_and_gradient(whole, q)[1][first:last], atol=1e-9)
 
 
 def test_the_paper_sums_fourth_powers_of_steps(task: Task) -> None:
     problem = task.problem().subset([0, 1], 2.0)
     q = np.zeros((2, 12))
     q[1, 3], q[1, 7] = 0.3, -0.4
-    assert problem.coupling(q)[0] == pytest.approx(2.0 * 0.5**4)
+    assert coupling(problem, q)[0] == pytest.approx(2.0 * 0.5**4)
 
 
 @pytest.mark.parametrize("rows", [6, 5, 3])
@@ -140,15 +148,44 @@ def test_the_free_spin_does_not_count_and_the_opposite_axis_does() -> None:
 
 
 def test_a_wrong_shape_is_refused_with_its_name(task: Task) -> None:
-    with pytest.raises(ShapeError, match=r"u: expected shape \(31, 6\), given \(31, 3\)"):
-        replace(task.problem(), u=np.zeros((31, 3)))
+    with pytest.raises(ShapeError, match=r"u: has shape \(31, 3\), not \(31, 6\)"):
+        task.problem().with_points(u=np.zeros((31, 3)))
 
 
 def test_a_subset_keeps_what_belongs_to_its_points(task: Task) -> None:
-    problem: Problem = replace(task.problem(), linear=np.arange(31 * 12.0).reshape(31, 12))
+    problem = task.problem().with_points(linear=np.arange(31 * 12.0).reshape(31, 12))
     part = problem.subset([4, 9], np.array([1.0, 2.0, 3.0]), np.zeros(12), np.ones(12))
-    np.testing.assert_array_equal(part.position, problem.position[[4, 9]])
-    assert part.linear is not None
-    assert problem.linear is not None
-    np.testing.assert_array_equal(part.linear, problem.linear[[4, 9]])
-    assert (part.before_weight, *part.link_weight, part.after_weight) == (1.0, 2.0, 3.0)
+    for name in part.points._fields:
+        whole = getattr(problem.points, name)
+        np.testing.assert_array_equal(getattr(part.points, name), whole[[4, 9]])
+    assert part.links.weight.tolist() == [2.0, 0.0]
+    assert part.neighbours.weight.tolist() == [1.0, 3.0]
+
+
+@pytest.mark.parametrize("factor", [1e-3, 1.0, 1e4])
+def test_the_size_of_an_index_does_not_decide_when_a_solver_stops(
+    task: Task, factor: float
+) -> None:
+    """Fault: absolute tolerances let a small index stop early and a large one never end."""
+    from dualarm_pin.indices import custom
+    from dualarm_pin.solvers import interior_point
+
+    def phi(A, u):  # type: ignore[no-untyped-def]
+        return factor * np.dot(u, np.dot(A, u))
+
+    def gradient(A, u):  # type: ignore[no-untyped-def]
+        return factor * np.outer(u, u)
+
+    def curvature(A, u, D):  # type: ignore[no-untyped-def]
+        return np.zeros((6, 6))
+
+    index = custom("scaled", phi, gradient, curvature)
+    problem = replace(task, index=index, smoothness=3.0 * factor).problem()
+    plain = task.problem()
+    start = np.tile((plain.lower + plain.upper) / 2.0, (31, 1))
+    expected = interior_point.solve(plain, start)
+    got = interior_point.solve(problem, start)
+    assert expected.converged
+    assert got.converged
+    assert got.objective == pytest.approx(factor * expected.objective, rel=1e-6)
+    assert problem.size == 1.0 or problem.scaled().size == 1.0

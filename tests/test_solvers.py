@@ -8,10 +8,11 @@ from numpy.typing import NDArray
 
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
+from dualarm_pin.reference import equalities, objective_and_gradient, violation
 from dualarm_pin.relative import Relative
+from dualarm_pin.solution import Solutions, distinct
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers import slsqp as nlopt_slsqp
-from dualarm_pin.solvers.ends import Ends, distinct
 from dualarm_pin.solvers.projection import project, project_point
 from dualarm_pin.solvers.slsqp import SlsqpOptions
 from dualarm_pin.task import Task
@@ -43,14 +44,14 @@ def test_a_solution_is_on_the_path_within_bounds_and_stationary(
     part = problem.subset([0, 6, 12], 1.5)
     solution = solve(part, np.tile(posture, (3, 1)))  # type: ignore[operator]
     assert solution.feasible
-    assert np.abs(part.residual(solution.q)).max() <= 1e-7
+    assert violation(part, solution.q) <= 1e-7
     assert np.all(solution.q >= part.lower)
     assert np.all(solution.q <= part.upper)
     assert solution.objective == pytest.approx(part.objective(solution.q), rel=1e-9)
     # No step along the path constraints, away from active bounds, goes downhill.
-    gradient = part.objective_and_gradient(solution.q)[1]
+    gradient = objective_and_gradient(part, solution.q)[1]
     for i, q in enumerate(solution.q):
-        J = part.point_jacobian(i, Relative(part.cell, q))[1]
+        J = equalities(part, i, Relative(part.cell, q))[1]
         margin = 1e-4
         free = (q > part.lower + margin) & (q < part.upper - margin)
         y = np.linalg.lstsq(J[:, free].T, gradient[i][free], rcond=None)[0]
@@ -77,9 +78,7 @@ def test_fixed_neighbours_pull_the_solution(problem: Problem, posture: Array) ->
 
 
 def test_an_unreachable_pose_is_not_feasible(problem: Problem, posture: Array) -> None:
-    from dataclasses import replace
-
-    far = replace(problem.subset([0], 0.0), position=np.array([[9.0, 0.0, 0.0]]))
+    far = problem.subset([0], 0.0).with_points(position=[[9.0, 0.0, 0.0]])
     for solve in SOLVERS.values():
         solution = solve(far, posture[None])
         assert not solution.feasible
@@ -93,7 +92,7 @@ def test_ctrl_c_inside_nlopt_is_not_swallowed(
     def stop(*args: object) -> None:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(nlopt_slsqp, "index_gradient", stop)
+    monkeypatch.setattr(nlopt_slsqp, "point_gradient", stop)
     with pytest.raises(KeyboardInterrupt):
         nlopt_slsqp.solve(problem.subset([0], 0.0), posture[None])
 
@@ -108,9 +107,11 @@ def test_the_projection_stays_within_bounds(problem: Problem) -> None:
     assert reached >= 10
 
 
-def ends_of(q: Array, objective: Array, converged: list[bool] | None = None) -> Ends:
+def ends_of(q: Array, objective: Array, converged: list[bool] | None = None) -> Solutions:
     ok = np.ones(len(q), bool) if converged is None else np.array(converged)
-    return Ends(q[:, None], objective, np.zeros(len(q)), ok, ok, np.zeros(len(q), np.int64))
+    none = np.zeros(len(q), np.int64)
+    no_saddle = np.zeros(len(q), bool)
+    return Solutions(q[:, None], objective, np.zeros(len(q)), ok, ok, none, no_saddle, none)
 
 
 def test_mirror_twins_are_two_minima() -> None:

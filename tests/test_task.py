@@ -82,10 +82,10 @@ def test_a_tangent_stays_a_tangent_where_the_file_gives_directions(tmp_path: Pat
 
 def test_lambda_follows_the_arc_length_where_asked() -> None:
     task = Task.load(TASK, ["smoothness={weight: 3, per_arc_length: true}"])
-    weights = task.problem().link_weight
+    weights = task.problem().links.weight[:-1]
     ds = np.diff(task.path.arc_length)
     np.testing.assert_allclose(weights * ds**4, np.full(30, 3 * ds.mean() ** 4), rtol=1e-9)
-    assert Task.load(TASK).problem().link_weight.tolist() == [3.0] * 30
+    assert Task.load(TASK).problem().links.weight[:-1].tolist() == [3.0] * 30
 
 
 def test_the_speed_limits_may_be_the_metric_if_they_are_known() -> None:

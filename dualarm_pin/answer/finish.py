@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from dualarm_pin import __version__
 from dualarm_pin.answer.trajectory import Evidence, Timing, Trajectory
 from dualarm_pin.answer.verify import Verification, verify
+from dualarm_pin.reference import coupling
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -66,7 +67,7 @@ def finish(
         found=checked.found,
         method=method,
         solver=solver,
-        objective=float(np.sum(checked.index)) + problem.coupling(q)[0],
+        objective=float(np.sum(checked.index)) + coupling(problem, q)[0],
         arc_mean_index=arc_mean(task.path.arc_length, checked.index),
         max_position_error=float(np.max(checked.position_error)),
         max_rotation_error=float(np.max(checked.rotation_error)),

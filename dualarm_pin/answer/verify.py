@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.errors import InputError, ShapeError
-from dualarm_pin.problem import index_value
+from dualarm_pin.reference import index_value
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE, Tolerance
 

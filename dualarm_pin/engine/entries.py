@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from dualarm_pin.engine.barrier import all_derivatives, objective
-from dualarm_pin.engine.chain import Floats, Integers
-from dualarm_pin.engine.compiled import entry, source_stamp
-from dualarm_pin.engine.derivatives import point_value
-from dualarm_pin.engine.interior_point import Settings, solve_one
-from dualarm_pin.engine.kinematics import relative_jacobian
-from dualarm_pin.engine.layout import Points, Problem, load_window
+from dualarm_pin.chain import Floats, Integers
+from dualarm_pin.engine.chain.derivatives import point_value
+from dualarm_pin.engine.chain.kinematics import relative_jacobian
+from dualarm_pin.engine.interior_point.objective import all_derivatives, objective
+from dualarm_pin.engine.interior_point.solve_one import Settings, solve_one
+from dualarm_pin.engine.jit import records  # noqa: F401  registers what compiled code reads
+from dualarm_pin.engine.jit.compiled import copy_rows, entry, source_stamp
 from dualarm_pin.engine.workspace import Workspace
+from dualarm_pin.problem import Problem
 
 _STAMP = source_stamp()
 
@@ -17,47 +18,41 @@ _STAMP = source_stamp()
 def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
     def solve_items(
         problem: Problem,
-        path: Points,
         work: Workspace,
         settings: Settings,
         keep_multipliers: bool,
         items: Integers,
-        first: Integers,
+        neighbours: Floats,
         interrupt: Integers,
         q: Floats,
-        y: Floats,
-        z_l: Floats,
-        z_u: Floats,
         codes: Integers,
         values: Floats,
     ) -> int:
         """Solve some items of a batch, one after the other, until done or interrupted.
 
         Args:
-            problem: With room for the points of one item.
-            path: All points.
-            work: Room for one item.
+            problem: The problem; its fixed neighbours are overwritten.
+            work: Room for one item, with the multipliers of a warm start.
             settings: For every item alike.
             keep_multipliers: Warm start.
             items: (s,) rows of the batch to solve.
-            first: (batch,) first point of every item.
+            neighbours: (batch, 2, n) fixed neighbours of every item, or (1, 2, n) of all.
             interrupt: (1,) not 0: stop before the next item.
             q: (batch, k, n) starts, overwritten by the results.
-            y: (batch, k, 6) multipliers.
-            z_l: (batch, k, n).
-            z_u: (batch, k, n).
-            codes: (batch, 2) filled: status, iterations.
+            codes: (batch, 3) filled: status, iterations, whether it is a saddle.
             values: (batch, 4) filled: objective, residual, stationarity, mu.
         """
         _ = stamp
         for item in items:
             if interrupt[0] != 0:
                 break
-            load_window(path, first[item], problem.points)
-            report = solve_one(
-                problem, settings, work, keep_multipliers, q[item], y[item], z_l[item], z_u[item]
-            )
+            own = item if neighbours.shape[0] > 1 else 0
+            copy_rows(neighbours[own], problem.neighbours.posture)
+            copy_rows(q[item], work.at.q)
+            report = solve_one(problem, settings, work, keep_multipliers)
+            copy_rows(work.at.q, q[item])
             codes[item, 0], codes[item, 1] = report.status, report.iterations
+            codes[item, 2] = 1 if report.saddle else 0
             values[item, 0], values[item, 1] = report.objective, report.residual
             values[item, 2], values[item, 3] = report.stationarity, report.mu
         return stamp
@@ -66,15 +61,16 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
 
 
 def _make_evaluate(stamp: int):  # type: ignore[no-untyped-def]
-    def evaluate(
-        problem: Problem, work: Workspace, q: Floats, y: Floats, values: Floats, J_r: Floats
-    ) -> float:
-        """Fill values (k,), J_r (k, 6, n) and the derivatives in `work`; return the objective."""
-        for i in range(q.shape[0]):
-            values[i] = point_value(problem, i, q[i], work.scratch, work.residual[i], work.error[i])
+    def evaluate(problem: Problem, work: Workspace, values: Floats, J_r: Floats) -> float:
+        """Fill values (k,), J_r (k, 6, n) and the derivatives in `work` at `work.at`."""
+        at = work.at
+        for i in range(at.q.shape[0]):
+            values[i] = point_value(
+                problem, i, at.q[i], work.scratch, work.residual[i], work.error[i], work.gap[i]
+            )
             relative_jacobian(problem.chain, work.scratch.w, work.scratch.v, J_r[i])
-        total = objective(problem, work, q, work.residual)
-        all_derivatives(problem, work, q, y)
+        total = objective(problem, work, at.q, work.residual, work.gap)
+        all_derivatives(problem, work, at)
         return total + 0 * stamp
 
     return entry(evaluate)

@@ -1,145 +1,212 @@
-"""The engine's face in Python: one solve, a batch of solves over threads, an evaluation."""
+"""The engine's face in Python: one solve, many over threads, an evaluation."""
 
 from __future__ import annotations
 
 import os
+import threading
+import time
 from concurrent.futures import Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualarm_pin.arrays import checked, finite
+from dualarm_pin.chain import Floats, Integers
 from dualarm_pin.engine import entries
-from dualarm_pin.engine.chain import Floats, Integers
-from dualarm_pin.engine.interior_point import (
-    CONVERGED,
-    INFEASIBLE,
-    ITERATION_LIMIT,
-    NOT_RUN,
-    STALLED,
-    Settings,
-)
-from dualarm_pin.engine.layout import Problem, room_for_window
-from dualarm_pin.engine.outcome import STATUS, Batch, Evaluation, Options, Outcome
-from dualarm_pin.engine.problem_data import problem_data
-from dualarm_pin.engine.workspace import new_workspace
+from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
+from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
+from dualarm_pin.engine.workspace import Workspace, new_workspace
 from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.problem import CALLED, Problem
+from dualarm_pin.rows import table
+from dualarm_pin.solution import STATUS, Multipliers, Solution, Solutions
+from dualarm_pin.tolerance import TOLERANCE
 
-__all__ = [
-    "CONVERGED",
-    "INFEASIBLE",
-    "ITERATION_LIMIT",
-    "NOT_RUN",
-    "STALLED",
-    "STATUS",
-    "Batch",
-    "Evaluation",
-    "Options",
-    "Outcome",
-    "Problem",
-    "evaluate",
-    "problem_data",
-    "solve",
-    "solve_batch",
-]
-
+_FEASIBLE = TOLERANCE.position / 10.0
 _CHUNKS_PER_JOB = 8
 
 
+@dataclass(frozen=True)
+class Options:
+    """How one start is solved.
+
+    Attributes:
+        tolerance: On stationarity, rows and complementarity, of an objective of size 1.
+        iterations: Cap on Newton steps.
+        mu0: First barrier parameter.
+        push: Share of every range to which the start is moved away from its bounds.
+    """
+
+    tolerance: float = TOLERANCE.search
+    iterations: int = 150
+    mu0: float = 0.1
+    push: float = 1e-2
+
+    @classmethod
+    def warm(cls, tolerance: float = TOLERANCE.search, iterations: int = 150) -> Options:
+        """Return options for a start that is nearly the answer, multipliers kept."""
+        return cls(tolerance, iterations, 1e-6, 1e-6)
+
+    def settings(self) -> Settings:
+        """Return the numbers as the compiled code takes them, checked.
+
+        Raises:
+            InputError: A number is out of its range.
+        """
+        for name in ("tolerance", "mu0", "push"):
+            value = getattr(self, name)
+            if not 0.0 < value < np.inf:
+                raise InputError(f"is {value}, must be above 0", field=name)
+        if self.push >= 0.5:
+            raise InputError(f"is {self.push}, must be below 0.5", field="push")
+        return Settings(
+            float(self.tolerance), int(self.iterations), float(self.mu0), float(self.push)
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Evaluation:
+    """Values and derivatives at q (k, n), as the engine computes them.
+
+    Attributes:
+        objective: The problem's objective.
+        values: (k,) per point: weighted index and linear term, no links.
+        residual: (k, m) equality rows.
+        jacobian: (k, m, n) of these.
+        gap: (k, r) inequality rows.
+        row_jacobian: (k, r, n) of these.
+        gradient: (k, n) of the objective.
+        hessian: (k, n, n) diagonal blocks of the Hessian of objective + y . residual - push . gap.
+        link: (k, n) diag(metric) dq of the link after each point.
+        stiffness: (k,) of that link: the block (i+1, i) of the Hessian is
+            -(stiffness_i diag(metric) + 8 link_weight_i link_i link_i^T).
+        J_r: (k, 6, n) relative Jacobian [linear; angular] of e2 with respect to e1, in e1.
+    """
+
+    objective: float
+    values: Floats
+    residual: Floats
+    jacobian: Floats
+    gap: Floats
+    row_jacobian: Floats
+    gradient: Floats
+    hessian: Floats
+    link: Floats
+    stiffness: Floats
+    J_r: Floats
+
+
 def solve(
-    data: Problem, start: ArrayLike, options: Options | None = None, warm: Outcome | None = None
-) -> Outcome:
+    problem: Problem,
+    start: ArrayLike,
+    options: Options | None = None,
+    *,
+    warm: Multipliers | None = None,
+    number: int = 0,
+) -> Solution:
     """Solve from one start.
 
     Args:
-        data: From `problem_data`.
+        problem: The problem.
         start: (k, n) rad or m; moved inside the bounds.
         options: How; `Options.warm()` by default where `warm` is given, else `Options()`.
-        warm: An earlier outcome of a nearby problem, whose multipliers are kept.
+        warm: Multipliers of a nearby problem's solution.
+        number: Number of the start.
 
     Raises:
         ShapeError: The start has another shape.
         InputError: The start is not finite.
     """
-    first = _start("start", start, data)
-    if options is None:
-        options = Options() if warm is None else Options.warm()
-    batch = _Rows(data, first[None], np.zeros(1, dtype=np.int64))
+    begun = time.perf_counter()
+    q = checked("start", start, (problem.k, problem.n))[None]
+    options = options or (Options() if warm is None else Options.warm())
+    rows = _Batch(problem, q)
+    item = np.zeros(1, dtype=np.int64)
+    scaled = problem.scaled()
+    work = _workspace(scaled)
     if warm is not None:
-        batch.y[0] = _shaped("warm", warm.pose_multipliers, (len(first), 6))
-        batch.z_l[0] = _shaped("warm", warm.lower_multipliers, first.shape)
-        batch.z_u[0] = _shaped("warm", warm.upper_multipliers, first.shape)
-    batch.run(np.zeros(1, dtype=np.int64), options.settings(), warm is not None)
-    return batch.result()[0]
+        _load(warm, work, problem.size)
+    rows.run(scaled, work, item, options.settings(), keep_multipliers=warm is not None)
+    size, at = problem.size, work.at
+    return replace(
+        rows.result()[0],
+        start=number,
+        wall_s=time.perf_counter() - begun,
+        stationarity=float(rows.values[0, 2]),
+        multipliers=Multipliers(size * at.y, size * at.lower, size * at.upper, size * at.push),
+    )
 
 
-def solve_batch(
-    data: Problem,
+def solve_many(
+    problem: Problem,
     starts: ArrayLike,
     options: Options | None = None,
+    *,
     jobs: int | None = None,
-    first: ArrayLike | None = None,
+    points: ArrayLike | None = None,
+    neighbours: ArrayLike | None = None,
     interrupt: Integers | None = None,
-) -> Batch:
+) -> Solutions:
     """Solve from many starts over threads; the result does not depend on their number.
 
     Args:
-        data: From `problem_data`, for the whole path.
-        starts: (s, k, n) rad or m. k may be smaller than the path: see `first`.
+        problem: The problem over the whole path.
+        starts: (s, k, n) rad or m. k may be smaller than the path: see `points`.
         options: How, for every start.
         jobs: Threads; the number of usable cores if None.
-        first: (s,) first point of every start: it then solves the k points from there on (one
+        points: (s,) first point of every start: it then solves the k points from there on (one
             point alone if k is 1), with their links. 0 by default.
+        neighbours: (s, 2, n) fixed postures before and after the points of every start, which
+            then count as their links do. The problem's own by default, where the path ends.
         interrupt: (1,) integer array; set to 1 by anyone, it ends the batch before the next start.
-            Ctrl-C does the same. What is finished is kept, the rest is NOT_RUN.
+            Ctrl-C does the same. What is finished is kept, the rest was not run.
 
     Raises:
         ShapeError: An array has another shape.
-        InputError: A start is not finite, or a window leaves the path.
+        InputError: A start is not finite, or its points leave the path.
     """
-    array = np.array(starts, dtype=np.float64, order="C")
-    k, n = len(data.points.position), len(data.lower)
-    if array.ndim != 3 or array.shape[2] != n or not 1 <= array.shape[1] <= k:
-        raise ShapeError(f"has shape {array.shape}, not (s, k <= {k}, {n})", field="starts")
-    _refuse_not_finite("starts", array)
-    at = np.zeros(len(array), dtype=np.int64) if first is None else np.array(first, dtype=np.int64)
-    if at.shape != (len(array),):
-        raise ShapeError(f"has shape {at.shape}, not ({len(array)},)", field="first")
-    if len(at) and (at.min() < 0 or at.max() + array.shape[1] > k):
+    q = np.ascontiguousarray(finite(starts, "starts", (-1, -1, problem.n)))
+    s, k = q.shape[:2]
+    if not 1 <= k <= problem.k:
+        raise ShapeError(f"{k} points a start; the path has {problem.k}", field="starts")
+    first = np.zeros(s, dtype=np.int64) if points is None else np.array(points, dtype=np.int64)
+    if first.shape != (s,):
+        raise ShapeError(f"has shape {first.shape}, not ({s},)", field="points")
+    if s and (first.min() < 0 or first.max() + k > problem.k):
         raise InputError(
-            f"windows of {array.shape[1]} points from {at.min()} .. {at.max()} leave the path of "
-            f"{k} points",
-            field="first",
+            f"{k} points from {first.min()} .. {first.max()} leave the path of {problem.k} points",
+            field="points",
         )
-    settings = (options or Options()).settings()
-    rows = _Rows(data, array, at, interrupt)
-    rows.run_over_threads(jobs or usable_cores(), settings)
+    ends = None if neighbours is None else checked("neighbours", neighbours, (s, 2, problem.n))
+    rows = _Batch(problem, q, ends, interrupt)
+    rows.run_over_threads(first, jobs or usable_cores(), (options or Options()).settings())
     return rows.result()
 
 
-def usable_cores() -> int:
-    """Return how many cores this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def evaluate(data: Problem, q: ArrayLike, y: ArrayLike | None = None) -> Evaluation:
-    """Evaluate the problem at q (k, n) with multipliers y (k, 6) of the pose rows (default 0).
+def evaluate(
+    problem: Problem, q: ArrayLike, y: ArrayLike = 0.0, push: ArrayLike = 0.0
+) -> Evaluation:
+    """Evaluate the problem at q (k, n) with multipliers y (k, m) and push (k, r) of its rows.
 
     Raises:
         ShapeError: An array has another shape.
         InputError: A value is not finite.
     """
-    at = _start("q", q, data)
-    shape = (len(at), 6)
-    multipliers = np.zeros(shape) if y is None else _shaped("y", y, shape)
-    k, n = at.shape
-    work = new_workspace(k, len(data.chain.kind), n)
-    values, J_r = np.zeros(k), np.zeros((k, 6, n))
-    total = entries.evaluate(data, work, at, multipliers, values, J_r)
+    work = _new_workspace(problem)
+    at = work.at
+    at.q[:] = checked("q", q, at.q.shape)
+    at.y[:] = checked("y", y, at.y.shape)
+    at.push[:] = checked("push", push, at.push.shape)
+    values, J_r = np.zeros(problem.k), np.zeros((problem.k, 6, problem.n))
+    total = entries.evaluate(problem, work, values, J_r)
     return Evaluation(
         objective=total,
         values=values,
         residual=work.residual,
         jacobian=work.jacobian,
+        gap=work.gap,
+        row_jacobian=work.row_jacobian,
         gradient=work.gradient,
         hessian=work.hessian,
         link=work.link,
@@ -148,83 +215,161 @@ def evaluate(data: Problem, q: ArrayLike, y: ArrayLike | None = None) -> Evaluat
     )
 
 
-class _Rows:
+def usable_cores() -> int:
+    """Return how many cores this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+class _Batch:
     """The arrays of a batch while it runs; every start is a row of its own."""
 
     def __init__(
-        self, data: Problem, q: Floats, first: Integers, interrupt: Integers | None = None
+        self,
+        problem: Problem,
+        q: Floats,
+        neighbours: Floats | None = None,
+        interrupt: Integers | None = None,
     ) -> None:
-        s, k, n = q.shape
-        self.data, self.q, self.first = data, q, first
-        self.y, self.z_l, self.z_u = np.zeros((s, k, 6)), np.zeros((s, k, n)), np.zeros((s, k, n))
-        self.codes = np.full((s, 2), [NOT_RUN, 0], dtype=np.int64)
-        self.values = np.full((s, 4), np.inf)
+        self.problem, self.q = problem, q
+        self.linked = neighbours is not None
+        own = problem.neighbours.posture[None].copy()
+        self.neighbours = own if neighbours is None else neighbours
+        self.codes = np.full((len(q), 3), [NOT_RUN, 0, 0], dtype=np.int64)
+        self.values = np.full((len(q), 4), np.inf)
         self.interrupt = np.zeros(1, dtype=np.int64) if interrupt is None else interrupt
 
-    def run(self, items: Integers, settings: Settings, keep_multipliers: bool = False) -> None:
+    def run(
+        self,
+        problem: Problem,
+        work: Workspace,
+        items: Integers,
+        settings: Settings,
+        *,
+        keep_multipliers: bool = False,
+    ) -> None:
         """Solve some rows in this thread."""
-        _, k, n = self.q.shape
+        posture = np.empty_like(problem.neighbours.posture)  # of this thread alone
         entries.solve_items(
-            self.data._replace(points=room_for_window(self.data.points, k)),
-            self.data.points,
-            new_workspace(k, len(self.data.chain.kind), n),
+            replace(problem, neighbours=problem.neighbours._replace(posture=posture)),
+            work,
             settings,
             keep_multipliers,
             items,
-            self.first,
+            self.neighbours,
             self.interrupt,
             self.q,
-            self.y,
-            self.z_l,
-            self.z_u,
             self.codes,
             self.values,
         )
 
-    def run_over_threads(self, jobs: int, settings: Settings) -> None:
+    def run_over_threads(self, first: Integers, jobs: int, settings: Settings) -> None:
         """Solve all rows; Ctrl-C ends the batch after the starts that are running."""
-        items = np.arange(len(self.q))
-        chunks = np.array_split(items, min(len(items), jobs * _CHUNKS_PER_JOB)) if jobs else []
-        with ThreadPoolExecutor(max(1, jobs)) as pool:
+        k, scaled = self.q.shape[1], self.problem.scaled()
+        pieces: list[tuple[Problem, Integers]] = []
+        for point in np.unique(first):
+            window = scaled.window(int(point), k, linked=self.linked)
+            items = np.flatnonzero(first == point)
+            chunks = max(1, min(len(items), jobs * _CHUNKS_PER_JOB))
+            pieces += [(window, chunk) for chunk in np.array_split(items, chunks)]
+        if len(self.q) == 1:
+            self._run_piece(*pieces[0], settings)
+            return
+        with ThreadPoolExecutor(jobs) as pool:
             running: list[Future[None]] = []
             try:
-                running = [pool.submit(self.run, chunk, settings) for chunk in chunks]
+                running = [pool.submit(self._run_piece, *piece, settings) for piece in pieces]
                 for future in running:
                     future.result()
             except KeyboardInterrupt:
                 self.interrupt[0] = 1
                 wait(running)
 
-    def result(self) -> Batch:
+    def _run_piece(self, window: Problem, items: Integers, settings: Settings) -> None:
+        self.run(window, _workspace(window), items, settings)
+
+    def result(self) -> Solutions:
         status = self.codes[:, 0].copy()
-        return Batch(
+        objective, residual, stationarity = self.problem.size * self.values[:, :3].T
+        residual = self.values[:, 1].copy()
+        self.values[:, 2] = stationarity
+        feasible = (status != NOT_RUN) & (residual <= _FEASIBLE)
+        return Solutions(
             q=self.q,
-            status=status,
-            objective=self.values[:, 0].copy(),
-            residual=self.values[:, 1].copy(),
-            stationarity=self.values[:, 2].copy(),
+            objective=objective,
+            residual=residual,
+            feasible=feasible,
+            converged=feasible & (status == CONVERGED),
             iterations=self.codes[:, 1].copy(),
-            pose_multipliers=self.y,
-            lower_multipliers=self.z_l,
-            upper_multipliers=self.z_u,
-            mu=self.values[:, 3].copy(),
+            saddle=self.codes[:, 2] == 1,
+            status=status,
+            size=self.problem.size,
             interrupted=bool((status == NOT_RUN).any()),
         )
 
 
-def _start(name: str, value: ArrayLike, data: Problem) -> Floats:
-    return _shaped(name, value, (len(data.points.position), len(data.lower)))
+_ROOMS = threading.local()
 
 
-def _shaped(name: str, value: ArrayLike, shape: tuple[int, ...]) -> Floats:
-    array = np.array(value, dtype=np.float64, order="C")
-    if array.shape != shape:
-        raise ShapeError(f"has shape {array.shape}, not {shape}", field=name)
-    _refuse_not_finite(name, array)
-    return array
+def _workspace(problem: Problem) -> Workspace:
+    """Return room for this thread and this shape of problem, kept from one batch to the next."""
+    shape = (problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
+    if getattr(_ROOMS, "shape", None) != shape:
+        _ROOMS.shape, _ROOMS.work = shape, _new_workspace(problem)
+    else:
+        _set_calls(problem, _ROOMS.work)
+    work: Workspace = _ROOMS.work
+    return work
 
 
-def _refuse_not_finite(name: str, array: Floats) -> None:
-    if not np.isfinite(array).all():
-        at = np.argwhere(~np.isfinite(array))[0].tolist()
-        raise InputError(f"is not finite at {at}", field=name)
+def _new_workspace(problem: Problem) -> Workspace:
+    work = new_workspace(problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
+    _set_calls(problem, work)
+    return work
+
+
+def _widths(problem: Problem) -> tuple[int, int, int]:
+    return problem.m, problem.inequalities.kind.shape[1], len(problem.rows)
+
+
+def _set_calls(problem: Problem, work: Workspace) -> None:
+    """Put the addresses of the index and the rows that have no kernel of their own."""
+    index = problem.index
+    if problem.terms.kind == CALLED:
+        functions = (index.phi, index.gradient, index.curvature)
+        work.scratch.index_calls[:] = addresses(index.name, functions, INDEX)
+    called = {
+        int(source)
+        for rows in (problem.equalities, problem.inequalities)
+        for source in rows.source[rows.kind == table.CALLED]
+    }
+    for number in called:
+        row = problem.rows[number]
+        assert row.slope is not None  # set when the row was made
+        assert row.bend is not None
+        signatures = row_signatures(len(row.parameters))
+        work.scratch.row_calls[number] = addresses(
+            row.name, (row.phi, row.slope, row.bend), signatures
+        )
+
+
+def _load(warm: Multipliers, work: Workspace, size: float) -> None:
+    """Put multipliers into the room as those of the scaled problem."""
+    at = work.at
+    for name, room, value in (
+        ("equalities", at.y, warm.equalities),
+        ("lower", at.lower, warm.lower),
+        ("upper", at.upper, warm.upper),
+        ("inequalities", at.push, warm.inequalities),
+    ):
+        room[:] = checked(f"warm.{name}", value, room.shape) / size
+
+
+__all__ = [
+    "STATUS",
+    "Evaluation",
+    "Options",
+    "evaluate",
+    "solve",
+    "solve_many",
+    "usable_cores",
+]

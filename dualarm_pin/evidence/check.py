@@ -16,8 +16,8 @@ from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import Stationarity, stationarity
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import generator
+from dualarm_pin.solution import same_path
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import same_path
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:

@@ -1,7 +1,8 @@
 """Second order at a path, independent of the engine: differences of Pinocchio gradients.
 
 At a minimum L(q) = F(q) + sum_i y_i . g_i(q) has no negative curvature along the directions that
-keep the pose rows and the active bounds: the reduced Hessian has no negative eigenvalue.
+keep the equality rows, the active rows and the active bounds: the reduced Hessian has no
+negative eigenvalue.
 """
 
 from __future__ import annotations
@@ -9,8 +10,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.evidence.kkt import RANK, Stationarity
-from dualarm_pin.problem import Problem, index_gradient
+from dualarm_pin.evidence.kkt import RANK, Stationarity, active_rows
+from dualarm_pin.problem import Problem
+from dualarm_pin.reference import point_gradient
 from dualarm_pin.relative import Relative
 
 Array = NDArray[np.float64]
@@ -72,13 +74,12 @@ def _free_directions(first: Stationarity, i: int) -> Array:
 def _point_curvature(
     problem: Problem, q: Array, first: Stationarity, i: int, basis: Array
 ) -> Array:
-    """Return the Hessian of a_i c + y_i . g_i at point i times `basis` (n, d)."""
+    """Return the Hessian of a_i c + y_i . g_i at point i times `basis` (n, d), rows as in L."""
 
     def slope(at: Array) -> Array:
         relative = Relative(problem.cell, at)
-        c = index_gradient(problem.index, relative, problem.u[i], at, problem.bounds)[1]
-        J = problem.point_jacobian(i, relative)[1]
-        return np.asarray(problem.index_weight[i] * c + J.T @ first.pose_multipliers[i])
+        J = active_rows(problem, i, relative, first.active_rows[i])[1]
+        return point_gradient(problem, i, relative)[1] + J.T @ first.row_multipliers[i]
 
     product = np.zeros_like(basis)
     for column, direction in enumerate(basis.T):
@@ -95,18 +96,17 @@ def _link_block(weight: float, metric: Array, step: Array) -> Array:
 
 def _coupling(problem: Problem, q: Array, i: int) -> Array:
     """Return the Hessian block (n, n) of points i + 1 and i."""
-    return -_link_block(float(problem.link_weight[i]), problem.metric, q[i + 1] - q[i])
+    links = problem.links
+    return -_link_block(float(links.weight[i]), links.metric, q[i + 1] - q[i])
 
 
 def _link_curvature(problem: Problem, q: Array, i: int) -> Array:
     """Return what the links of point i add to its Hessian block (n, n)."""
-    block = np.zeros((problem.n, problem.n))
+    ends, metric = problem.neighbours, problem.links.metric
     if i > 0:
-        block -= _coupling(problem, q, i - 1)
-    elif problem.before is not None:
-        block += _link_block(problem.before_weight, problem.metric, q[0] - problem.before)
+        block = -_coupling(problem, q, i - 1)
+    else:
+        block = _link_block(float(ends.weight[0]), metric, q[0] - ends.posture[0])
     if i + 1 < problem.k:
-        block -= _coupling(problem, q, i)
-    elif problem.after is not None:
-        block += _link_block(problem.after_weight, problem.metric, problem.after - q[-1])
-    return block
+        return block - _coupling(problem, q, i)
+    return block + _link_block(float(ends.weight[1]), metric, ends.posture[1] - q[-1])

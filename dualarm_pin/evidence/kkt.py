@@ -1,8 +1,9 @@
 """First order at a path, independent of the engine: gradients from Pinocchio.
 
-With L(q) = F(q) + sum_i y_i . g_i(q), the conditions at a minimum are dL/dq = z_lower - z_upper,
-z >= 0 and nonzero only at active bounds. The pose rows couple no two points, so the multipliers
-are found point by point, by least squares.
+With L(q) = F(q) + sum_i y_i . g_i(q) over the equality rows and the active inequality rows, the
+conditions at a minimum are dL/dq = z_lower - z_upper, z >= 0 and nonzero only at active bounds,
+and y <= 0 for an inequality. The rows couple no two points, so the multipliers are found point by
+point, by least squares.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.problem import Problem
+from dualarm_pin.reference import equalities, inequalities, objective_and_gradient
 from dualarm_pin.relative import Relative
 
 Array = NDArray[np.float64]
@@ -29,27 +31,32 @@ class Stationarity:
 
     Attributes:
         objective: Objective.
-        residual: Largest pose residual.
+        residual: Largest violation of a row.
         stationarity: Largest entry of the KKT residual.
         active: Bounds that hold (k, n): -1 lower, 1 upper, 0 free.
-        pose_multipliers: y (rows_i,) of each point.
+        active_rows: Inequality rows of each point that hold, as numbers among its own.
+        row_multipliers: y (m_i,) of each point: equality rows, then the active inequalities.
         bound_multipliers: z (k, n) of active bounds, at least 0 at a minimum; 0 elsewhere.
-        jacobians: Pose Jacobian (rows_i, n) of each point.
+        jacobians: Jacobian (m_i, n) of these rows.
     """
 
     objective: float
     residual: float
     stationarity: float
     active: NDArray[np.int64]
-    pose_multipliers: list[Array]
+    active_rows: list[NDArray[np.int64]]
+    row_multipliers: list[Array]
     bound_multipliers: Array
     jacobians: list[Array]
 
     @property
     def min_multiplier(self) -> float | None:
-        """Smallest multiplier of an active bound; None if none is active."""
-        held = self.active != 0
-        return float(self.bound_multipliers[held].min()) if held.any() else None
+        """Smallest multiplier of an active bound or inequality row; None if none is active."""
+        held = [self.bound_multipliers[self.active != 0]]
+        for y, rows in zip(self.row_multipliers, self.active_rows, strict=True):
+            held.append(-y[len(y) - len(rows) :])
+        every = np.concatenate(held)
+        return float(every.min()) if len(every) else None
 
     def free_jacobian(self, i: int) -> Array:
         """Return the columns (rows_i, f) of point i that no bound holds."""
@@ -58,40 +65,58 @@ class Stationarity:
 
 def stationarity(problem: Problem, q: Array) -> Stationarity:
     """Return the first-order conditions at q (k, n), with multipliers by least squares."""
-    objective, gradient = problem.objective_and_gradient(q)
+    objective, gradient = objective_and_gradient(problem, q)
     at_lower = q - problem.lower <= ACTIVE
     at_upper = problem.upper - q <= ACTIVE
     active = np.where(at_lower, -1, np.where(at_upper, 1, 0)).astype(np.int64)
     residual = error = 0.0
-    pose, jacobians = [], []
+    rows, multipliers, jacobians = [], [], []
     bound = np.zeros_like(q)
     for i, q_i in enumerate(q):
-        g, J = problem.point_jacobian(i, Relative(problem.cell, q_i))
-        y, z, left = _multipliers(gradient[i], J, active[i])
-        residual = max(residual, float(np.max(np.abs(g))))
+        relative = Relative(problem.cell, q_i)
+        gap, _ = inequalities(problem, i, relative)
+        held = np.flatnonzero(gap <= ACTIVE)
+        g, J = active_rows(problem, i, relative, held)
+        y, z, left = _multipliers(gradient[i], J, active[i], len(held))
+        equal = g[: len(g) - len(held)]
+        below = float(np.max(-gap, initial=0.0))
+        residual = max(residual, float(np.max(np.abs(equal))), below)
         error = max(error, float(np.max(np.abs(left), initial=0.0)))
         bound[i] = z
-        pose.append(y)
+        rows.append(held)
+        multipliers.append(y)
         jacobians.append(J)
-    return Stationarity(objective, residual, error, active, pose, bound, jacobians)
+    return Stationarity(objective, residual, error, active, rows, multipliers, bound, jacobians)
+
+
+def active_rows(
+    problem: Problem, i: int, relative: Relative, held: NDArray[np.int64]
+) -> tuple[Array, Array]:
+    """Return the equality rows and the inequality rows `held` of point i, and their Jacobian."""
+    values, jacobian = equalities(problem, i, relative)
+    gap, slopes = inequalities(problem, i, relative)
+    return np.append(values, gap[held]), np.vstack([jacobian, slopes[held]])
 
 
 def _multipliers(
-    gradient: Array, J: Array, active: NDArray[np.int64]
+    gradient: Array, J: Array, active: NDArray[np.int64], unequal: int
 ) -> tuple[Array, Array, Array]:
-    """Return y (rows,), z (n,) and what is left of the gradient (n,) at one point."""
+    """Return y (m,), z (n,) and what is left of the gradient (n,) at one point.
+
+    The last `unequal` rows are inequalities.
+    """
     free = active == 0
     y = np.linalg.lstsq(J[:, free].T, -gradient[free], rcond=RANK)[0]
     slope = gradient + J.T @ y
     z = -active * slope
-    if np.all(z >= -ACTIVE):
+    if np.all(z >= -ACTIVE) and np.all(y[len(y) - unequal :] <= ACTIVE):
         return y, z, np.where(free, slope, 0.0)
     # With few free joints y is not unique, and the shortest one may give a wrong sign.
-    return _signed_multipliers(gradient, J, active)
+    return _signed_multipliers(gradient, J, active, unequal)
 
 
 def _signed_multipliers(
-    gradient: Array, J: Array, active: NDArray[np.int64]
+    gradient: Array, J: Array, active: NDArray[np.int64], unequal: int
 ) -> tuple[Array, Array, Array]:
     """Return the multipliers by least squares with z >= 0, and the whole residual (n,)."""
     from scipy.optimize import lsq_linear
@@ -102,7 +127,9 @@ def _signed_multipliers(
     columns[:, :rows] = J.T
     columns[held, rows + np.arange(len(held))] = active[held]
     least = np.concatenate([np.full(rows, -np.inf), np.zeros(len(held))])
-    found = lsq_linear(columns, -gradient, (least, np.inf), method="bvls", tol=1e-14).x
+    most = np.full(len(least), np.inf)
+    most[rows - unequal : rows] = 0.0
+    found = lsq_linear(columns, -gradient, (least, most), method="bvls", tol=1e-14).x
     z = np.zeros(len(gradient))
     z[held] = found[rows:]
     return found[:rows], z, gradient + columns @ found

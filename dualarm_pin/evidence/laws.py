@@ -14,7 +14,7 @@ from dualarm_pin.answer.trajectory import LawCount
 from dualarm_pin.search import anchored, whole_path
 from dualarm_pin.search.anchored import AnchoredSearch
 from dualarm_pin.search.whole_path import WholePathSearch
-from dualarm_pin.solvers.ends import Ends, distinct, same_path
+from dualarm_pin.solution import Solutions, distinct, same_path
 from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ def count_laws(
 
 
 def count(
-    ends: Ends,
+    ends: Solutions,
     best: Array,
     *,
     weight: NDArray[np.int64] | None = None,

@@ -13,8 +13,8 @@ from dualarm_pin.evidence.check import near
 from dualarm_pin.evidence.pieces import Piece
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import Solutions, distinct
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import Ends, distinct
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ class PieceSearch:
 
     def run(
         self, problem: Problem, theta: Array, starts: Array, options: Options | None = None
-    ) -> Ends:
+    ) -> Solutions:
         """Solve from all starts and keep what they came to."""
         ends = engine.solve_many(problem, starts, jobs=self.jobs, options=options)
         usable = np.flatnonzero(ends.feasible)

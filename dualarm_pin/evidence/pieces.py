@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -42,13 +42,12 @@ class Piece:
 
     def tilted(self, theta: Array) -> Problem:
         """Return its problem with the multipliers theta (cuts, n)."""
-        linear = self.problem.linear
-        linear = np.zeros((self.problem.k, self.problem.n)) if linear is None else linear.copy()
+        linear = self.problem.points.linear.copy()
         if self.left is not None:
             linear[0] -= theta[self.left]
         if self.right is not None:
             linear[-1] += theta[self.right]
-        return replace(self.problem, linear=linear)
+        return self.problem.with_points(linear=linear)
 
     def slopes(self, q: Array, cuts: int) -> Array:
         """Return d(tilt)/d(theta) (s, cuts, n) at paths of the piece q (s, points, n)."""
@@ -70,22 +69,16 @@ def split(problem: Problem, cuts: Cuts) -> list[Piece]:
     ends = (0, *cuts, problem.k - 1)
     share = np.ones(problem.k)
     share[list(cuts)] = 0.5
-    linear = None if problem.linear is None else problem.linear * share[:, None]
-    halved = replace(problem, index_weight=problem.index_weight * share, linear=linear)
+    points = problem.points
+    halved = problem.with_points(
+        index_weight=points.index_weight * share, linear=points.linear * share[:, None]
+    )
     pieces = []
     for number, (begin, end) in enumerate(itertools.pairwise(ends)):
-        before = problem.before if begin == 0 else None
-        after = problem.after if end == problem.k - 1 else None
-        weights = list(problem.link_weight[begin:end])
-        if before is not None:
-            weights.insert(0, problem.before_weight)
-        if after is not None:
-            weights.append(problem.after_weight)
-        points = range(begin, end + 1)
-        piece = halved.subset(points, np.array(weights), before, after)
+        piece = halved.window(begin, end + 1 - begin)
         left = None if number == 0 else number - 1
         right = None if number == len(cuts) else number
-        pieces.append(Piece(points, piece, left, right))
+        pieces.append(Piece(range(begin, end + 1), piece, left, right))
     return pieces
 
 
@@ -124,8 +117,8 @@ def _place(sharp: NDArray[np.bool_], wanted_pieces: float) -> Cuts:
 
 def _sharp(problem: Problem) -> NDArray[np.bool_]:
     """Tell which points (k,) lie where the direction or the rotation turns much."""
-    turn = np.linalg.norm(np.diff(problem.u, axis=0), axis=1)
-    turn += np.linalg.norm(np.diff(problem.rotation, axis=0), axis=(1, 2))
+    turn = np.linalg.norm(np.diff(problem.points.u, axis=0), axis=1)
+    turn += np.linalg.norm(np.diff(problem.points.rotation, axis=0), axis=(1, 2))
     bend = np.zeros(problem.k)
     bend[:-1] += turn
     bend[1:] += turn

@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -27,6 +28,7 @@ class Index:
         joint_weights: Diagonal of W (n,), weights of the joints in J_r W J_r^T; None for ones.
         joint_centre: Weight of the additive term sum_k ((q_k - mid_k) / half_range_k)^2.
         units: Unit of the value.
+        expression: (casadi, A, u) -> c as a CasADi expression; None: CasADi cannot solve it.
     """
 
     name: str
@@ -37,6 +39,7 @@ class Index:
     joint_weights: Array | None = None
     joint_centre: float = 0.0
     units: str = "m^2"
+    expression: Callable[[Any, Any, Any], Any] | None = None
 
     def __post_init__(self) -> None:
         for name, size in (("task_weights", 6), ("joint_weights", None)):

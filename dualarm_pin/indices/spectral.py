@@ -8,6 +8,8 @@ with the gap kept away from zero.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -29,7 +31,13 @@ def yoshikawa(
         as_array(joint_weights),
         joint_centre,
         "m^3 for all six rows",
+        yoshikawa_expression,
     )
+
+
+def yoshikawa_expression(ca: Any, A: Any, u: Any) -> Any:
+    """Return -sqrt(det A) for CasADi."""
+    return -ca.sqrt(ca.det(A))
 
 
 def inverse_condition_number(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -13,7 +15,7 @@ def force(
     joint_weights: ArrayLike | None = None,
     joint_centre: float = 0.0,
 ) -> Index:
-    """Return the paper's index (8), (14): c = 1/alpha^2 = u^T A u, lower is better."""
+    """Return the paper's index (eq. 8, 14): c = 1/alpha^2 = u^T A u, lower is better."""
     return Index(
         "force",
         force_phi,
@@ -22,6 +24,7 @@ def force(
         as_array(task_weights),
         as_array(joint_weights),
         joint_centre,
+        expression=force_expression,
     )
 
 
@@ -44,7 +47,18 @@ def velocity(
         as_array(joint_weights),
         joint_centre,
         "1/m^2",
+        velocity_expression,
     )
+
+
+def force_expression(ca: Any, A: Any, u: Any) -> Any:
+    """Return u^T A u for CasADi."""
+    return u.T @ A @ u
+
+
+def velocity_expression(ca: Any, A: Any, u: Any) -> Any:
+    """Return u^T A^-1 u for CasADi."""
+    return u.T @ ca.inv(A) @ u
 
 
 def force_phi(A: Array, u: Array) -> float:

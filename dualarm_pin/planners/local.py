@@ -17,12 +17,13 @@ from numpy.typing import NDArray
 
 from dualarm_pin.answer.finish import Clock, finish
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.constraints import pose_residual
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.planners.unreachable import feasible_postures, unreachable
-from dualarm_pin.problem import Problem, index_gradient
+from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.reference import index_gradient
 from dualarm_pin.relative import Relative
+from dualarm_pin.rows.pose import pose_residual
 from dualarm_pin.search.starts import generator
 from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.projection import project_point
@@ -132,15 +133,17 @@ def _interval(
     """Integrate from point i - 1 to point i and put the end on the path."""
     for s in range(1, substeps + 1):
         share = s / substeps
-        position = (1.0 - share) * problem.position[i - 1] + share * problem.position[i]
-        rotation = _between(problem.rotation[i - 1], problem.rotation[i], share)
+        points = problem.points
+        position = (1.0 - share) * points.position[i - 1] + share * points.position[i]
+        rotation = _between(points.rotation[i - 1], points.rotation[i], share)
         relative = Relative(problem.cell, q)
         # The residual against the next pose is feed-forward and drift correction in one.
         residual, J = pose_residual(
-            relative, position, rotation, int(problem.rows[i]), problem.spin_axis
+            relative, position, rotation, int(points.pose_rows[i]), problem.spin_axis
         )
-        u = (1.0 - share) * problem.u[i - 1] + share * problem.u[i]
-        _, slope = index_gradient(problem.index, relative, u, q, problem.bounds)
+        u = (1.0 - share) * points.u[i - 1] + share * points.u[i]
+        bounds = problem.lower, problem.upper
+        _, slope = index_gradient(problem.index, relative, u, q, bounds)
         dq, gave_way = step(walk, q, J, residual, -gain * slope)
         if gave_way:
             (report.infeasible if step is _qp_step else report.damped).append(i + 1)

@@ -167,8 +167,8 @@ class _PinkFollower:
         """Go from point i - 1 to point i; return the joints and whether every step was solved."""
         import pinocchio as pin
 
-        first = pin.SE3(problem.rotation[i - 1], problem.position[i - 1])
-        last = pin.SE3(problem.rotation[i], problem.position[i])
+        first = pin.SE3(problem.points.rotation[i - 1], problem.points.position[i - 1])
+        last = pin.SE3(problem.points.rotation[i], problem.points.position[i])
         at = np.clip(q, problem.lower, problem.upper)
         for s in range(1, substeps + 1):
             share = s / substeps

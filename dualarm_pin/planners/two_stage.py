@@ -23,10 +23,9 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.search.workers import Workers
+from dualarm_pin.solution import Solution, Solutions, distinct
 from dualarm_pin.solvers import slsqp as nlopt_slsqp
-from dualarm_pin.solvers.ends import Ends, distinct
 from dualarm_pin.solvers.slsqp import SlsqpOptions
-from dualarm_pin.solvers.solution import Solution
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -91,7 +90,7 @@ def plan_two_stage(
             raise KeyboardInterrupt  # nothing is finished that could be kept
         if not feasible:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
-        minima = distinct(_as_ends(ends))
+        minima = distinct(Solutions.of(ends))
         progress.line(
             f"stage 1: {feasible} of {starts} starts feasible, {len(minima)} distinct minima, "
             f"best {minima.ends.objective[0]:.4f}"
@@ -222,19 +221,6 @@ def _solve_all(
     return [
         _cut_off(call[1]) if end is None else end for end, call in zip(ends, calls, strict=True)
     ]
-
-
-def _as_ends(solutions: Sequence[Solution]) -> Ends:
-    """Return solutions as arrays; a feasible end counts, whatever the solver says of itself."""
-    feasible = np.array([s.feasible for s in solutions])
-    return Ends(
-        q=np.array([s.q for s in solutions]),
-        objective=np.array([s.objective for s in solutions]),
-        residual=np.array([s.residual for s in solutions]),
-        feasible=feasible,
-        converged=feasible,
-        iterations=np.array([s.iterations for s in solutions]),
-    )
 
 
 def _cut_off(start: Array) -> Solution:

@@ -17,8 +17,8 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.anchored import AnchoredSearch
 from dualarm_pin.search.whole_path import WholePathSearch
+from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import Ends
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -187,7 +187,7 @@ class _Search:
         parts = [part for part in (self.anchored.paths, self.whole.ends) if part is not None]
         if not parts:
             return None
-        ends = Ends.join(parts)
+        ends = Solutions.join(parts)
         if not ends.converged.any() and not ends.feasible.any():
             return None
         usable = ends.converged if ends.converged.any() else ends.feasible

@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import Minima, Solutions, distinct, same_path
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import Ends, Minima, distinct, same_path
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -52,14 +52,14 @@ class Anchor:
     Attributes:
         point: Which point.
         starts: Postures drawn so far.
-        alone: Ends of the one-point problem from all of them.
+        alone: Solutions of the one-point problem from all of them.
         minima: The distinct minima among these.
         seeds: The minima that were taken further.
     """
 
     point: int
     starts: int = 0
-    alone: Ends | None = None
+    alone: Solutions | None = None
     minima: Minima | None = None
     seeds: list[_Seed] = field(default_factory=list)
 
@@ -97,12 +97,12 @@ class AnchoredSearch:
         points = anchor_points(problem.k) if points is None else points
         self.anchors = [Anchor(point) for point in points]
         self._coarse = coarse_of(problem)
-        self._screened: Ends | None = None
+        self._screened: Solutions | None = None
         self._path_of_coarse: dict[int, int] = {}
-        self._paths: Ends | None = None
+        self._paths: Solutions | None = None
 
     @property
-    def paths(self) -> Ends | None:
+    def paths(self) -> Solutions | None:
         """All paths refined so far."""
         return self._paths
 
@@ -158,7 +158,7 @@ class AnchoredSearch:
             reached += any(end is not None and same_path(self._paths.q[end], best) for end in ends)
         return reached >= min(2, len(self.anchors))
 
-    def starts_by_path(self) -> tuple[int, Ends, Labels] | None:
+    def starts_by_path(self) -> tuple[int, Solutions, Labels] | None:
         """Return how many postures were drawn, all paths, and how many led to each of them.
 
         A posture counts for the path that its one-point minimum was refined to. Minima that were
@@ -202,7 +202,9 @@ class AnchoredSearch:
         for anchor in self.anchors:
             mine = ends.take((np.array(points) == anchor.point) & ends.ran)
             if len(mine):
-                anchor.alone = mine if anchor.alone is None else Ends.join([anchor.alone, mine])
+                anchor.alone = (
+                    mine if anchor.alone is None else Solutions.join([anchor.alone, mine])
+                )
                 anchor.starts += len(mine)
                 anchor.minima = distinct(anchor.alone)
         if ends.interrupted:
@@ -214,7 +216,7 @@ class AnchoredSearch:
         tiled = np.array([np.tile(seed.q, (len(self._coarse.points), 1)) for seed in seeds])
         ends = engine.solve_many(self._coarse.problem, tiled, jobs=self.jobs)
         first = 0 if self._screened is None else len(self._screened)
-        self._screened = ends if self._screened is None else Ends.join([self._screened, ends])
+        self._screened = ends if self._screened is None else Solutions.join([self._screened, ends])
         for number, seed in enumerate(seeds, first):
             seed.coarse = number
         if ends.interrupted:
@@ -225,7 +227,7 @@ class AnchoredSearch:
         first = 0 if self._paths is None else len(self._paths)
         if starts:
             ends = engine.solve_many(self.problem, np.array(starts), jobs=self.jobs)
-            self._paths = ends if self._paths is None else Ends.join([self._paths, ends])
+            self._paths = ends if self._paths is None else Solutions.join([self._paths, ends])
             if ends.interrupted:
                 raise KeyboardInterrupt
         return range(first, first + len(starts))

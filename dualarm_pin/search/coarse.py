@@ -8,7 +8,7 @@ whole path, at a sixth of the price.
 from __future__ import annotations
 
 import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -45,9 +45,9 @@ def coarse_of(problem: Problem) -> Coarse:
     count = min(k, max(LEAST, min(MOST, k // SHARE)))
     points = np.unique(np.round(np.linspace(0, k - 1, count)).astype(np.int64))
     steps = np.diff(points)
-    mean = [problem.link_weight[a:b].mean() for a, b in itertools.pairwise(points)]
+    mean = [problem.links.weight[a:b].mean() for a, b in itertools.pairwise(points)]
     part = problem.subset(list(points), np.array(mean) / steps**3)
     nearest = np.abs(np.arange(k)[:, None] - points[None]).argmin(axis=1)
     weight = np.zeros(len(points))
-    np.add.at(weight, nearest, problem.index_weight)
-    return Coarse(replace(part, index_weight=weight), points, k)
+    np.add.at(weight, nearest, problem.points.index_weight)
+    return Coarse(part.with_points(index_weight=weight), points, k)

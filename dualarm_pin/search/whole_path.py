@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.solvers.ends import Ends
 
 Array = NDArray[np.float64]
 NAME = "whole path"
@@ -19,7 +19,7 @@ class WholePathSearch:
 
     def __init__(self, problem: Problem, seed: int, *, jobs: int | None = None) -> None:
         self.problem, self.seed, self.jobs = problem, seed, jobs
-        self.ends: Ends | None = None
+        self.ends: Solutions | None = None
 
     @property
     def starts(self) -> int:
@@ -40,6 +40,6 @@ class WholePathSearch:
         drawn = common_postures(problem.lower, problem.upper, problem.k, fresh, random)
         ends = engine.solve_many(problem, drawn, jobs=self.jobs)
         ran = ends.take(ends.ran)
-        self.ends = ran if self.ends is None else Ends.join([self.ends, ran])
+        self.ends = ran if self.ends is None else Solutions.join([self.ends, ran])
         if ends.interrupted:
             raise KeyboardInterrupt

@@ -13,9 +13,17 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.chain import quaternion_of
 from dualarm_pin.errors import UnknownNameError, nearest
-from dualarm_pin.solvers.casadi_model import import_casadi, index_expression, kinematics, pose_rows
-from dualarm_pin.solvers.solution import Solution
+from dualarm_pin.reference import violation
+from dualarm_pin.solution import Solution
+from dualarm_pin.solvers.casadi_model import (
+    import_casadi,
+    index_expression,
+    kinematics,
+    pose_rows,
+    row_expression,
+)
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
@@ -89,6 +97,7 @@ class Programme:
         if plugin == "ipopt":
             x = ca.MX.sym("x", n, k)
             rows = [terms.rows(i, x[:, i]) for i in range(k)]
+            self._most = np.concatenate([terms.most(i) for i in range(k)])
             cost = sum(terms.point(i, x[:, i]) for i in range(k))
             cost += sum(terms.link(i, x[:, i + 1] - x[:, i]) for i in range(k - 1))
             nlp = {"x": ca.vec(x), "f": cost, "g": ca.vertcat(*rows)}
@@ -96,7 +105,6 @@ class Programme:
             self._upper = np.tile(problem.upper, k)
         else:
             nlp, options = self._stages(ca, problem, terms, options)
-        self._rows = nlp["g"].numel()
         self._solver = ca.nlpsol("solver", plugin, nlp, options)
         self.build_s = time.perf_counter() - begun
 
@@ -107,7 +115,7 @@ class Programme:
         k, n = problem.k, problem.n
         x = [ca.MX.sym(f"x{i}", n) for i in range(k)]
         s = [ca.MX.sym(f"s{i}", n) for i in range(k - 1)]
-        variables, rows, lower, upper = [], [], [], []
+        variables, rows, lower, upper, most = [], [], [], [], []
         cost = sum(terms.point(i, x[i]) for i in range(k))
         cost += sum(terms.link(i, s[i]) for i in range(k - 1))
         endless = np.full(n, np.inf)
@@ -120,14 +128,17 @@ class Programme:
                 lower.append(-endless)
                 upper.append(endless)
                 rows.append(x[i + 1] - (x[i] + s[i]))
+                most.append(np.zeros(n))
             rows.append(terms.rows(i, x[i]))
+            most.append(terms.most(i))
         shape = {
             "N": k - 1,
             "nx": [n] * k,
             "nu": [n] * (k - 1) + [0],
-            "ng": [int(r) for r in problem.rows],
+            "ng": [len(terms.most(i)) for i in range(k)],
         }
-        equality = [True] * sum(row.numel() for row in rows)
+        self._most = np.concatenate(most)
+        equality = (self._most == 0.0).tolist()
         self._lower, self._upper = np.concatenate(lower), np.concatenate(upper)
         nlp = {"x": ca.vertcat(*variables), "f": cost, "g": ca.vertcat(*rows)}
         return nlp, options | shape | {"equality": equality}
@@ -144,13 +155,13 @@ class Programme:
         else:
             x0 = first.ravel()
         begun = time.perf_counter()
-        answer = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=0)
+        answer = self._solver(x0=x0, lbx=self._lower, ubx=self._upper, lbg=0, ubg=self._most)
         wall = time.perf_counter() - begun
         x = np.asarray(answer["x"], dtype=float).ravel()
         if self.plugin == "fatrop":
             x = np.append(x, np.zeros(n)).reshape(k, 2 * n)[:, :n]
         q = np.clip(x.reshape(k, n), problem.lower, problem.upper)
-        residual = float(np.max(np.abs(problem.residual(q))))
+        residual = violation(problem, q)
         stats = self._solver.stats()
         feasible = bool(residual <= TOLERANCE.position / 10.0)
         return Solution(
@@ -186,33 +197,44 @@ class _Terms:
                 [q, position, quaternion],
                 [pose_rows(pose, position, quaternion, int(count), problem.spin_axis)],
             )
-            for count in np.unique(problem.rows)
+            for count in np.unique(problem.points.pose_rows)
         }
+        self._further = [
+            ca.Function("row", [q], [row_expression(row, problem.cell, pose)])
+            for row in problem.rows
+        ]
         step = ca.SX.sym("s", n)
-        squared = ca.dot(ca.DM(problem.metric), step**2)
+        squared = ca.dot(ca.DM(problem.links.metric), step**2)
         self._link = ca.Function("link", [step], [squared**2])
 
     def point(self, i: int, q: Any) -> Any:
         """Return what point i costs, its links to fixed neighbours included."""
-        problem = self.problem
-        cost = float(problem.index_weight[i]) * self._cost(q, problem.u[i])
-        if problem.linear is not None:
-            cost += self.ca.dot(self.ca.DM(problem.linear[i]), q)
-        if i == 0 and problem.before is not None:
-            cost += problem.before_weight * self._link(q - problem.before)
-        if i == problem.k - 1 and problem.after is not None:
-            cost += problem.after_weight * self._link(problem.after - q)
+        points, ends = self.problem.points, self.problem.neighbours
+        cost = float(points.index_weight[i]) * self._cost(q, points.u[i])
+        if points.linear[i].any():
+            cost += self.ca.dot(self.ca.DM(points.linear[i]), q)
+        for at, end in ((0, 0), (self.problem.k - 1, 1)):
+            if i == at and ends.weight[end] != 0.0:
+                cost += float(ends.weight[end]) * self._link(q - ends.posture[end])
         return cost
 
     def link(self, i: int, step: Any) -> Any:
         """Return what the link from point i to the next costs."""
-        return float(self.problem.link_weight[i]) * self._link(step)
+        return float(self.problem.links.weight[i]) * self._link(step)
 
     def rows(self, i: int, q: Any) -> Any:
-        """Return the pose residual of point i."""
-        from dualarm_pin.engine.chain import quaternion_of
+        """Return the rows of point i: pose, further equalities, inequalities."""
+        points = self.problem.points
+        wanted = points.position[i], quaternion_of(points.rotation[i])
+        found = [self._rows[int(points.pose_rows[i])](q, *wanted)]
+        found += [self._further[row](q) for row in self._sources(i)]
+        return self.ca.vertcat(*found)
 
-        problem = self.problem
-        return self._rows[int(problem.rows[i])](
-            q, problem.position[i], quaternion_of(problem.rotation[i])
-        )
+    def most(self, i: int) -> Array:
+        """Return the largest value allowed for each row of point i; the least is 0 for all."""
+        equal, unequal = self.problem.row_count[i], self.problem.inequalities.size[i]
+        return np.concatenate([np.zeros(equal), np.full(unequal, np.inf)])
+
+    def _sources(self, i: int) -> list[int]:
+        tables = (self.problem.equalities, self.problem.inequalities)
+        return [int(row) for table in tables for row in table.source[i, : table.size[i]]]

@@ -6,17 +6,18 @@ it against `Relative`.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.chain import REVOLUTE, VARIABLE, body_of, chain_of
 from dualarm_pin.errors import InputError, MissingExtraError
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
     from dualarm_pin.indices import Index
+    from dualarm_pin.rows import Row
 
 Array = NDArray[np.float64]
 Expression = Any  # casadi.SX
@@ -45,28 +46,30 @@ class Pose(NamedTuple):
         rotation: (3, 3).
         quaternion: (4, 1), w first; one of the two that stand for the rotation.
         jacobian: J_r (6, n).
+        segments: Rotation (3, 3) and position (3, 1) in e1 of every segment of the chain.
     """
 
     position: Expression
     rotation: Expression
     quaternion: Expression
     jacobian: Expression
+    segments: list[tuple[Expression, Expression]]
 
 
 def kinematics(cell: Cell, q: Expression) -> Pose:
     """Return the pose of e2 in e1 and J_r for symbolic q (n, 1)."""
-    from dualarm_pin.engine.chain import REVOLUTE, VARIABLE, chain_from_model
-
     ca = import_casadi()
-    chain = chain_from_model(cell.model, cell.e1, cell.e2, cell.joint_map, cell.joint_offset)
+    chain = chain_of(cell)
     position, rotation = ca.SX.zeros(3), ca.SX.eye(3)
     quaternion = ca.SX(ca.DM([1, 0, 0, 0]))
     axes: list[tuple[Expression, Expression]] = []
+    segments: list[tuple[Expression, Expression]] = []
     for element in range(len(chain.kind) + 1):
         fixed = chain.quaternion[element]
         position = position + rotation @ ca.DM(chain.translation[element])
         rotation = rotation @ ca.sparsify(ca.DM(_matrix(fixed)))
         quaternion = _product(ca, quaternion, ca.SX(ca.DM(fixed)))
+        segments.append((rotation, position))
         if element == len(chain.kind):
             break
         axes.append((rotation[:, 2], position))
@@ -87,13 +90,37 @@ def kinematics(cell: Cell, q: Expression) -> Pose:
             angular = axis if turns else ca.SX.zeros(3)
             column = int(chain.source[element])
             jacobian[:, column] += chain.scale[element] * ca.vertcat(linear, angular)
-    return Pose(position, rotation, quaternion, jacobian)
+    return Pose(position, rotation, quaternion, jacobian, segments)
+
+
+def row_expression(row: Row, cell: Cell, pose: Pose) -> Expression:
+    """Return g of a row between two bodies, as `Row.at` has it.
+
+    Raises:
+        InputError: The row has no expression.
+    """
+    ca = import_casadi()
+    if row.expression is None:
+        raise InputError(
+            f"CasADi has no expression for the row {row.name!r}: give it one, or choose "
+            "another method",
+            field="constraints",
+        )
+    bodies = []
+    for frame in row.frames(cell):
+        body = body_of(cell, frame)
+        rotation, position = pose.segments[body.segment]
+        at = ca.DM(body.placement.translation)
+        turn = ca.DM(body.placement.rotation)
+        bodies.append((rotation @ turn, position + rotation @ at))
+    (R_a, p_a), (R_b, p_b) = bodies
+    return row.expression(ca, R_a.T @ R_b, R_a.T @ (p_b - p_a))
 
 
 def pose_rows(
     pose: Pose, position: Expression, quaternion: Expression, rows: int, spin_axis: Array
 ) -> Expression:
-    """Return the pose residual (rows, 1), as `problem.pose_residual` has it.
+    """Return the pose residual (rows, 1), as `rows.pose.pose_residual` has it.
 
     2 vec(e) of the error quaternion e: a product of half-angle quaternions, so it is smooth for
     every q and zero at the right rotation alone, whichever sign e has.
@@ -122,15 +149,10 @@ def index_expression(index: Index, jacobian: Expression, u: Expression) -> Expre
             determinant or an inverse, or it is the user's own.
     """
     ca = import_casadi()
-    formulas: dict[str, Callable[[Expression, Expression], Expression]] = {
-        "force": lambda A, u: u.T @ A @ u,
-        "velocity": lambda A, u: u.T @ ca.inv(A) @ u,
-        "yoshikawa": lambda A, u: -ca.sqrt(ca.det(A)),
-    }
-    if index.name not in formulas:
+    if index.expression is None:
         raise InputError(
-            f"CasADi has no expression for the index {index.name!r}; it has "
-            f"{', '.join(formulas)}: choose one of them or another method",
+            f"CasADi has no expression for the index {index.name!r}: give it one, or choose "
+            "another method",
             field="index",
         )
     rows = jacobian
@@ -140,7 +162,7 @@ def index_expression(index: Index, jacobian: Expression, u: Expression) -> Expre
         if index.name != "force":
             rows, u = rows[used, :], u[used]
     weighted = rows if index.joint_weights is None else rows @ ca.diag(ca.DM(index.joint_weights))
-    return formulas[index.name](weighted @ rows.T, u)
+    return index.expression(ca, weighted @ rows.T, u)
 
 
 def _product(ca: Any, a: Expression, b: Expression) -> Expression:

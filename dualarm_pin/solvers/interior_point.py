@@ -1,59 +1,31 @@
-"""The compiled engine as a solver: closed-form derivatives, structured interior point."""
+"""The compiled engine as a solver: closed-form derivatives, structured interior point.
+
+numba and the engine are loaded by the first solve, and compared with Pinocchio for every cell.
+"""
 
 from __future__ import annotations
 
-import time
 import weakref
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from dualarm_pin.solvers.ends import Ends
-from dualarm_pin.solvers.solution import Solution
-from dualarm_pin.tolerance import TOLERANCE
+from dualarm_pin.errors import EngineError
+from dualarm_pin.relative import Relative
+from dualarm_pin.solution import Multipliers, Solution, Solutions
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
-    from dualarm_pin.engine.chain import Chain
-    from dualarm_pin.engine.layout import Problem as Data
-    from dualarm_pin.engine.solve import Options, Outcome
+    from dualarm_pin.engine.solve import Options
     from dualarm_pin.problem import Problem
 
 Array = NDArray[np.float64]
 NAME = "engine"
-_FEASIBLE = TOLERANCE.position / 10.0
-_CHAINS: weakref.WeakKeyDictionary[Cell, Chain] = weakref.WeakKeyDictionary()
-
-
-def data_of(problem: Problem) -> Data:
-    """Return a problem as the arrays the engine takes.
-
-    Raises:
-        InputError: A value is not finite or bounds cross.
-    """
-    from dualarm_pin.engine.problem_data import problem_data
-
-    return problem_data(
-        _chain(problem.cell),
-        problem.index,
-        problem.position,
-        problem.rotation,
-        lower=problem.lower,
-        upper=problem.upper,
-        rows=problem.rows,
-        spin_axis=problem.spin_axis,
-        u=problem.u,
-        link_weight=problem.link_weight,
-        metric=problem.metric,
-        index_weight=problem.index_weight,
-        linear=problem.linear,
-        before=problem.before,
-        before_weight=problem.before_weight,
-        after=problem.after,
-        after_weight=problem.after_weight,
-    )
+_AGREES = 1e-9  # m or rad, times the length of the arms where that is above 1
+_POSTURES = 3
+_COMPARED: weakref.WeakSet[Cell] = weakref.WeakSet()
 
 
 def solve(
@@ -61,38 +33,14 @@ def solve(
     start: Array,
     options: Options | None = None,
     *,
-    warm: Outcome | None = None,
+    warm: Multipliers | None = None,
     number: int = 0,
 ) -> Solution:
-    """Minimise `problem` from `start` (k, n).
-
-    Args:
-        problem: The problem.
-        start: Joints (k, n).
-        options: How; None for the engine's defaults.
-        warm: Outcome of a nearby problem, whose multipliers are kept.
-        number: Number of the start.
-
-    Returns:
-        The solution; `extra["outcome"]` holds multipliers and stationarity.
-    """
+    """Minimise `problem` from `start` (k, n); see `dualarm_pin.engine.solve.solve`."""
     from dualarm_pin.engine.solve import solve as run
 
-    begun = time.perf_counter()
-    outcome = run(data_of(problem), start, options, warm)
-    wall = time.perf_counter() - begun
-    return Solution(
-        q=outcome.q,
-        objective=outcome.objective,
-        residual=outcome.residual,
-        feasible=outcome.residual <= _FEASIBLE,
-        converged=outcome.converged and outcome.residual <= _FEASIBLE,
-        message=outcome.message,
-        start=number,
-        wall_s=wall,
-        iterations=outcome.iterations,
-        extra={"outcome": outcome},
-    )
+    compare(problem)
+    return run(problem, start, options, warm=warm, number=number)
 
 
 def solve_many(
@@ -101,52 +49,51 @@ def solve_many(
     *,
     jobs: int | None = None,
     options: Options | None = None,
-    points: Sequence[int] | None = None,
-) -> Ends:
-    """Minimise `problem` from many starts over threads; the same ends for any number of them.
+    points: ArrayLike | None = None,
+    neighbours: ArrayLike | None = None,
+) -> Solutions:
+    """Minimise `problem` from many starts; see `dualarm_pin.engine.solve.solve_many`."""
+    from dualarm_pin.engine.solve import solve_many as run
 
-    Args:
-        problem: The problem.
-        starts: Joints (s, k, n), or (s, 1, n) with `points`.
-        jobs: Threads; None takes the processors there are.
-        options: How; None for the engine's defaults.
-        points: For each start the one point of the path that it solves alone (s,).
+    compare(problem)
+    return run(problem, starts, options, jobs=jobs, points=points, neighbours=neighbours)
 
-    Returns:
-        The ends; after Ctrl-C those that were finished, the rest infeasible and `interrupted` set.
+
+def compare(problem: Problem) -> None:
+    """Hold the engine's kinematics against Pinocchio at random postures, once for every cell.
+
+    Raises:
+        EngineError: They differ by more than 1e-9.
     """
-    from dualarm_pin.engine.solve import NOT_RUN, solve_batch
+    from dualarm_pin.engine.solve import evaluate
 
-    batch = solve_batch(data_of(problem), starts, options, jobs, first=points)
-    feasible = (batch.status != NOT_RUN) & (batch.residual <= _FEASIBLE)
-    return Ends(
-        q=batch.q,
-        objective=batch.objective,
-        residual=batch.residual,
-        feasible=feasible,
-        converged=feasible & (batch.status == 0),
-        iterations=batch.iterations,
-        interrupted=batch.interrupted,
-    )
+    cell = problem.cell
+    if cell in _COMPARED:
+        return
+    one = problem.window(0, 1)
+    wanted = one.points.position[0]
+    for q in np.random.default_rng(0).uniform(problem.lower, problem.upper, (_POSTURES, cell.n)):
+        relative, found = Relative(cell, q), evaluate(one, q[None])
+        size = max(1.0, float(np.abs(relative.J_r).max()))
+        away = np.abs(found.J_r[0] - relative.J_r).max()
+        away = max(
+            away, np.abs(found.residual[0, :3] + wanted - relative.T_e1_e2.translation).max()
+        )
+        if not away <= _AGREES * size:
+            raise EngineError(
+                f"the engine and Pinocchio differ by {away:.1e} on the cell {cell.name!r}: this is "
+                "an error of this program; please report it with the cell"
+            )
+    _COMPARED.add(cell)
 
 
-def ensure_compiled(say: Callable[[str], None] = lambda line: None) -> float:
+def ensure_compiled(say: Callable[[str], Any] = lambda line: None) -> float:
     """Compile or load the engine; return the seconds that compiling took, 0 from the cache.
 
     Args:
         say: Told one line if the engine has to be compiled.
     """
-    from dualarm_pin.engine.ready import ensure_compiled as run
+    from dualarm_pin.engine.jit.compilation import ensure_compiled as run
 
     report = run(say)
     return 0.0 if report.from_cache else report.seconds
-
-
-def _chain(cell: Cell) -> Chain:
-    from dualarm_pin.engine.chain import chain_from_model
-
-    if cell not in _CHAINS:
-        _CHAINS[cell] = chain_from_model(
-            cell.model, cell.e1, cell.e2, cell.joint_map, cell.joint_offset
-        )
-    return _CHAINS[cell]

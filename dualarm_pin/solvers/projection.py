@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.problem import Problem
+from dualarm_pin.reference import equalities, inequalities
 from dualarm_pin.relative import Relative
 
 Array = NDArray[np.float64]
@@ -16,7 +17,8 @@ def project_point(
 ) -> tuple[Array, float]:
     """Move q towards the wanted pose of point i, keeping the bounds.
 
-    Levenberg-Marquardt on the pose rows; joints that push against a bound are held there.
+    Levenberg-Marquardt on the rows, inequalities by what they lack; joints that push against a
+    bound are held there.
 
     Args:
         problem: The problem.
@@ -29,7 +31,7 @@ def project_point(
         The joints (n,), and the largest residual there.
     """
     q = np.clip(q, problem.lower, problem.upper)
-    residual, J = problem.point_jacobian(i, Relative(problem.cell, q))
+    residual, J = _lacking(problem, i, q)
     damping = 1e-3
     for _ in range(iterations):
         if np.max(np.abs(residual)) <= tolerance:
@@ -74,4 +76,15 @@ def _step(
     Jf = J * free
     normal = Jf @ Jf.T + damping * np.eye(len(residual))
     trial = np.clip(q - Jf.T @ np.linalg.solve(normal, residual), problem.lower, problem.upper)
-    return trial, *problem.point_jacobian(i, Relative(problem.cell, trial))
+    return trial, *_lacking(problem, i, trial)
+
+
+def _lacking(problem: Problem, i: int, q: Array) -> tuple[Array, Array]:
+    """Return what the rows of point i lack (m_i + r_i,) and its Jacobian."""
+    relative = Relative(problem.cell, q)
+    residual, J = equalities(problem, i, relative)
+    if not problem.inequalities.size[i]:
+        return residual, J
+    gap, slopes = inequalities(problem, i, relative)
+    short = gap < 0.0
+    return np.append(residual, gap * short), np.vstack([J, slopes * short[:, None]])

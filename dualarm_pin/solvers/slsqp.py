@@ -14,10 +14,11 @@ import nlopt
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.problem import Problem, index_gradient
+from dualarm_pin.problem import Problem
+from dualarm_pin.reference import coupling, equalities, inequalities, point_gradient, violation
 from dualarm_pin.relative import Relative
+from dualarm_pin.solution import Solution
 from dualarm_pin.solvers.projection import project
-from dualarm_pin.solvers.solution import Solution
 from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
@@ -60,12 +61,13 @@ def solve(
     """
     options = options or SlsqpOptions()
     begun = time.perf_counter()
-    first, residual = project(problem, start, 1e-6)
+    first, _ = project(problem, start, 1e-6)
     evaluation = _Evaluation(problem)
     optimiser = nlopt.opt(nlopt.LD_SLSQP, first.size)
     optimiser.set_min_objective(evaluation.objective)
-    rows = int(problem.rows.sum())
-    optimiser.add_equality_mconstraint(evaluation.constraints, np.full(rows, 1e-8))
+    optimiser.add_equality_mconstraint(evaluation.equalities, np.full(evaluation.equal.m, 1e-8))
+    if evaluation.unequal.m:
+        optimiser.add_inequality_mconstraint(evaluation.below, np.full(evaluation.unequal.m, 1e-8))
     optimiser.set_lower_bounds(np.tile(problem.lower, problem.k))
     optimiser.set_upper_bounds(np.tile(problem.upper, problem.k))
     optimiser.set_ftol_rel(options.ftol_rel)
@@ -83,7 +85,8 @@ def solve(
             raise evaluation.interrupted from None
         reason, converged = f"NLopt failed: {error}", False
     best = first if evaluation.best is None else evaluation.best
-    q, residual = project(problem, best, 1e-12, 20)
+    q, _ = project(problem, best, 1e-12, 20)
+    residual = violation(problem, q)
     inside = bool(np.all((q >= problem.lower) & (q <= problem.upper)))
     return Solution(
         q=q,
@@ -108,10 +111,9 @@ class _Evaluation:
         self.interrupted: BaseException | None = None
         self._best_merit = np.inf
         self._at: Array | None = None
-        k, n = problem.k, problem.n
-        self._gradient = np.zeros((k, n))
-        self._residual = np.zeros(int(problem.rows.sum()))
-        self._jacobian = np.zeros((len(self._residual), k * n))
+        self._gradient = np.zeros((problem.k, problem.n))
+        self.equal = _Rows(problem.row_count, problem.n)
+        self.unequal = _Rows(problem.inequalities.size, problem.n)
         self._value = 0.0
 
     def objective(self, x: Array, gradient: Array) -> float:
@@ -120,11 +122,18 @@ class _Evaluation:
             gradient[:] = self._gradient.ravel()
         return self._value
 
-    def constraints(self, result: Array, x: Array, gradient: Array) -> None:
+    def equalities(self, result: Array, x: Array, gradient: Array) -> None:
         self._evaluate(x)
-        result[:] = self._residual
+        result[:] = self.equal.values
         if gradient.size:
-            gradient[:] = self._jacobian
+            gradient[:] = self.equal.jacobian
+
+    def below(self, result: Array, x: Array, gradient: Array) -> None:
+        """Give -g, which NLopt keeps at 0 or less."""
+        self._evaluate(x)
+        result[:] = -self.unequal.values
+        if gradient.size:
+            gradient[:] = -self.unequal.jacobian
 
     def _evaluate(self, x: Array) -> None:
         if self._at is not None and np.array_equal(self._at, x):
@@ -137,25 +146,37 @@ class _Evaluation:
 
     def _refresh(self, x: Array) -> None:
         problem = self.problem
-        n = problem.n
-        q = x.reshape(problem.k, n)
-        value, gradient = problem.coupling(q)
-        row = 0
+        q = x.reshape(problem.k, problem.n)
+        value, gradient = coupling(problem, q)
         for i, q_i in enumerate(q):
             relative = Relative(problem.cell, q_i)
-            c, dc = index_gradient(problem.index, relative, problem.u[i], q_i, problem.bounds)
-            weight = problem.index_weight[i]
-            value += weight * c
-            gradient[i] += weight * dc
-            residual, jacobian = problem.point_jacobian(i, relative)
-            rows = len(residual)
-            self._residual[row : row + rows] = residual
-            self._jacobian[row : row + rows, i * n : (i + 1) * n] = jacobian
-            row += rows
+            c, dc = point_gradient(problem, i, relative)
+            value += c
+            gradient[i] += dc
+            self.equal.put(i, *equalities(problem, i, relative))
+            self.unequal.put(i, *inequalities(problem, i, relative))
         self._at, self._value, self._gradient = x, value, gradient
         self.count += 1
-        violation = float(np.max(np.abs(self._residual)))
+        below = float(np.max(-self.unequal.values, initial=0.0))
+        worst = max(float(np.max(np.abs(self.equal.values))), below)
         # Feasible to 1e-4 is near enough: the projection after the solve does the rest.
-        merit = value if violation < 1e-4 else np.inf
+        merit = value if worst < 1e-4 else np.inf
         if merit < self._best_merit:
             self._best_merit, self.best = merit, q.copy()
+
+
+class _Rows:
+    """Rows of all points one after another, and their dense Jacobian."""
+
+    def __init__(self, count: NDArray[np.int64], n: int) -> None:
+        self._begin = np.concatenate([[0], np.cumsum(count)])
+        self._n = n
+        self.m = int(self._begin[-1])
+        self.values = np.zeros(self.m)
+        self.jacobian = np.zeros((self.m, len(count) * n))
+
+    def put(self, i: int, values: Array, jacobian: Array) -> None:
+        """Take the rows of point i."""
+        rows = slice(self._begin[i], self._begin[i + 1])
+        self.values[rows] = values
+        self.jacobian[rows, i * self._n : (i + 1) * self._n] = jacobian

@@ -5,7 +5,7 @@ A quaternion is (w, x, y, z), scalar first.
 
 from __future__ import annotations
 
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.engine.jit.compiled import compiled
 
 Vector = tuple[float, float, float]
 Quaternion = tuple[float, float, float, float]

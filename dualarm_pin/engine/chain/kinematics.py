@@ -9,9 +9,8 @@ from __future__ import annotations
 
 import math
 
-from dualarm_pin.engine.chain import PARAMETER, REVOLUTE, VARIABLE, Chain, Floats
-from dualarm_pin.engine.compiled import compiled
-from dualarm_pin.engine.vectors import (
+from dualarm_pin.chain import PARAMETER, REVOLUTE, VARIABLE, Chain, Floats
+from dualarm_pin.engine.chain.vectors import (
     Quaternion,
     Vector,
     cross,
@@ -20,6 +19,7 @@ from dualarm_pin.engine.vectors import (
     turn_about_z,
     z_axis,
 )
+from dualarm_pin.engine.jit.compiled import compiled
 
 
 @compiled
@@ -116,7 +116,7 @@ def rotation_rows(error: Floats, target_axes: Floats, B: Floats) -> None:
 
 @compiled
 def constraint_jacobian(chain: Chain, w: Floats, v: Floats, B: Floats, jacobian: Floats) -> None:
-    """Fill the Jacobian (6, n) of the pose residual: column += scale_e [v_e; B w_e]."""
+    """Fill the first six rows of the Jacobian (m, n): column += scale_e [v_e; B w_e]."""
     jacobian[:] = 0.0
     for e in range(chain.kind.shape[0]):
         if chain.role[e] != VARIABLE:
@@ -125,6 +125,30 @@ def constraint_jacobian(chain: Chain, w: Floats, v: Floats, B: Floats, jacobian:
         for i in range(3):
             jacobian[i, k] += s * v[i, e]
             jacobian[3 + i, k] += s * (B[i, 0] * w[0, e] + B[i, 1] * w[1, e] + B[i, 2] * w[2, e])
+
+
+@compiled
+def place_segments(chain: Chain, q: Floats, place: Floats) -> None:
+    """Fill place (E+1, 7), the pose [position; quaternion] in e1 of every segment.
+
+    The same walk as `place_chain`, for problems with rows between other bodies than the hands.
+    """
+    elements = chain.kind.shape[0]
+    translation, fixed = chain.translation, chain.quaternion
+    p, Q = (0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)
+    for e in range(elements + 1):
+        step = rotate(Q, (translation[e, 0], translation[e, 1], translation[e, 2]))
+        p = (p[0] + step[0], p[1] + step[1], p[2] + step[2])
+        Q = multiply(Q, (fixed[e, 0], fixed[e, 1], fixed[e, 2], fixed[e, 3]))
+        place[e, 0], place[e, 1], place[e, 2] = p
+        place[e, 3], place[e, 4], place[e, 5], place[e, 6] = Q
+        if e < elements:
+            value = element_value(chain, q, e)
+            if chain.kind[e] == REVOLUTE:
+                Q = turn_about_z(Q, math.sin(0.5 * value), math.cos(0.5 * value))
+            else:
+                axis = z_axis(Q)
+                p = (p[0] + value * axis[0], p[1] + value * axis[1], p[2] + value * axis[2])
 
 
 @compiled

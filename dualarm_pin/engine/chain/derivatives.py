@@ -24,42 +24,73 @@ The pose constraint with multipliers y = [y_p; y_r] has the same shape, with t =
 
 from __future__ import annotations
 
-from dualarm_pin.engine.chain import VARIABLE, Chain, Floats
-from dualarm_pin.engine.compiled import compiled, inlined
-from dualarm_pin.engine.index_terms import called_terms, called_value, force_terms, force_value
-from dualarm_pin.engine.kinematics import (
+from dualarm_pin.chain import VARIABLE, Chain, Floats
+from dualarm_pin.engine.chain.index_terms import (
+    called_terms,
+    called_value,
+    force_terms,
+    force_value,
+)
+from dualarm_pin.engine.chain.kinematics import (
     constraint_jacobian,
     place_chain,
+    place_segments,
     pose_residual,
     rotation_rows,
 )
-from dualarm_pin.engine.layout import FORCE, Problem
-from dualarm_pin.engine.vectors import cross, dot
+from dualarm_pin.engine.chain.row_terms import row_terms, row_values
+from dualarm_pin.engine.chain.vectors import cross, dot
+from dualarm_pin.engine.jit.compiled import compiled, inlined
 from dualarm_pin.engine.workspace import Scratch
+from dualarm_pin.problem import FORCE, Problem
 
 
 @compiled
-def point_value(
-    problem: Problem, i: int, q: Floats, scratch: Scratch, residual: Floats, error: Floats
-) -> float:
-    """Return the objective of point i without links and fill its pose residual (6,).
+def point_rows(
+    problem: Problem,
+    i: int,
+    q: Floats,
+    scratch: Scratch,
+    residual: Floats,
+    error: Floats,
+    gap: Floats,
+) -> None:
+    """Fill the equality rows (m,) and the inequality rows (r,) of point i.
 
     The frames are left in the scratch and the error quaternion in `error` (4,).
     """
     p, Q = place_chain(problem.chain, q, scratch.w, scratch.v)
     points = problem.points
     pose_residual(p, Q, points.position[i], points.quaternion[i], residual, error)
-    residual[problem.points.rows[i] :] = 0.0
+    residual[points.pose_rows[i] :] = 0.0
+    if problem.equalities.size[i] + problem.inequalities.size[i] > 0:
+        place_segments(problem.chain, q, scratch.place)
+        row_values(problem.equalities, i, scratch, residual[points.pose_rows[i] :])
+        row_values(problem.inequalities, i, scratch, gap)
+
+
+@compiled
+def point_value(
+    problem: Problem,
+    i: int,
+    q: Floats,
+    scratch: Scratch,
+    residual: Floats,
+    error: Floats,
+    gap: Floats,
+) -> float:
+    """Return the objective of point i without links; fill its rows as `point_rows` does."""
+    point_rows(problem, i, q, scratch, residual, error, gap)
     if problem.points.index_weight[i] == 0.0:
         value = 0.0
-    elif problem.index_kind == FORCE:
+    elif problem.terms.kind == FORCE:
         value = force_value(problem, i, scratch)
     else:
         value = called_value(problem, i, scratch)
     total: float = 0.0
     for k in range(q.shape[0]):
-        away = q[k] - problem.centre[k]
-        value += problem.centre_weight[k] * away * away
+        away = q[k] - problem.terms.centre[k]
+        value += problem.terms.centre_weight[k] * away * away
         total += problem.points.linear[i, k] * q[k]
     return float(total + problem.points.index_weight[i] * value)
 
@@ -70,10 +101,12 @@ def point_derivatives(
     i: int,
     q: Floats,
     y: Floats,
+    push: Floats,
     scratch: Scratch,
     residual: Floats,
     error: Floats,
     jacobian: Floats,
+    row_jacobian: Floats,
     gradient: Floats,
     hessian: Floats,
 ) -> None:
@@ -83,29 +116,44 @@ def point_derivatives(
         problem: The problem.
         i: Point.
         q: (n,) posture.
-        y: (6,) multipliers of the pose rows.
+        y: (m,) multipliers of the equality rows.
+        push: (r,) multipliers of the inequality rows.
         scratch: Room.
-        residual: (6,) at q.
+        residual: (m,) at q.
         error: (4,) error quaternion at q.
-        jacobian: (6, n) filled.
+        jacobian: (m, n) filled.
+        row_jacobian: (r, n) filled.
         gradient: (n,) filled: of the objective without links.
-        hessian: (n, n) filled: of the objective without links plus y . residual.
+        hessian: (n, n) filled: of the objective without links plus y . residual - push . g.
     """
     chain, w, v = problem.chain, scratch.w, scratch.v
+    pose_rows = problem.points.pose_rows[i]
     rotation_rows(error, problem.points.target_axes[i], scratch.B)
     constraint_jacobian(chain, w, v, scratch.B, jacobian)
-    if problem.index_kind == FORCE:
+    if problem.points.index_weight[i] == 0.0:
+        # Not zero times the index: an index of the user's own may be infinite here.
+        scratch.b[:] = 0.0
+        scratch.second[:] = 0.0
+    elif problem.terms.kind == FORCE:
         force_terms(problem, i, scratch)
     else:
         called_terms(problem, i, scratch)
     index_sums(scratch, gradient, chain)
-    add_constraint_factors(problem.points.rows[i], y, residual, scratch)
+    add_constraint_factors(pose_rows, y, residual, scratch)
     fill_second(scratch)
+    equal, unequal = problem.equalities.size[i], problem.inequalities.size[i]
+    if equal + unequal > 0:
+        place_segments(chain, q, scratch.place)
+        for j in range(equal):
+            at = pose_rows + j
+            row_terms(problem.equalities, i, j, y[at], chain, scratch, jacobian[at])
+        for j in range(unequal):
+            row_terms(problem.inequalities, i, j, -push[j], chain, scratch, row_jacobian[j])
     by_variable(chain, scratch.second, hessian)
     weight = problem.points.index_weight[i]
     for k in range(q.shape[0]):
-        slope = 2.0 * weight * problem.centre_weight[k]
-        gradient[k] += slope * (q[k] - problem.centre[k]) + problem.points.linear[i, k]
+        slope = 2.0 * weight * problem.terms.centre_weight[k]
+        gradient[k] += slope * (q[k] - problem.terms.centre[k]) + problem.points.linear[i, k]
         hessian[k, k] += slope
 
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from dualarm_pin.engine.chain import Floats, Integers
-from dualarm_pin.engine.compiled import compiled
+from dualarm_pin.chain import Floats, Integers
+from dualarm_pin.engine.jit.compiled import compiled
 
 RANK_TOLERANCE = 1e-8  # a row this small beside the rows before it is taken as dependent
 _PIVOT_MIN = 1e-12

@@ -8,13 +8,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import pinocchio as pin
 from numba.core import event
 
+from dualarm_pin.cell import Cell
 from dualarm_pin.engine import entries
-from dualarm_pin.engine.chain import chain_from_model
-from dualarm_pin.engine.solve import problem_data, solve
+from dualarm_pin.engine.solve import Options, solve
+from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import force
+from dualarm_pin.problem import Problem
 
 NOTICE = "compiling the engine, once for this version: about half a minute"
 
@@ -65,12 +66,10 @@ class _Listener(event.Listener):
 
 
 def _smallest_solve() -> None:
-    """Solve for one joint and one point."""
-    model = pin.Model()
-    joint = model.addJoint(0, pin.JointModelRZ(), pin.SE3.Identity(), "joint")
-    tip = model.addFrame(pin.Frame("tip", joint, pin.SE3.Identity(), pin.FrameType.BODY))
-    chain = chain_from_model(model, 0, tip)
-    data = problem_data(
-        chain, force(), np.zeros((1, 3)), np.eye(3)[None], lower=[-1.0], upper=[1.0]
+    """Solve one point of a cell that ships: the types are those of every other problem."""
+    cell = Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml")
+    middle = (cell.lower + cell.upper) / 2.0
+    problem = Problem.of(
+        cell, force(), np.zeros((1, 3)), np.eye(3), lower=cell.lower, upper=cell.upper
     )
-    solve(data, np.zeros((1, 1)))
+    solve(problem, middle[None], Options(iterations=0))

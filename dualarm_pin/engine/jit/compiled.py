@@ -68,9 +68,10 @@ def copy_rows(source: Any, target: Any) -> None:
 
 
 def source_stamp() -> int:
-    """Return a number that changes with any source file of the engine or of the indices."""
+    """Return a number that changes with any source file of the engine or its records."""
     digest = hashlib.sha256()
-    here = Path(__file__).parent
-    for file in sorted([*here.glob("*.py"), *(here.parent / "indices").glob("*.py")]):
+    engine = Path(__file__).parents[1]
+    records = [engine.parent / name for name in ("chain.py", "problem.py", "rows/table.py")]
+    for file in sorted([*engine.rglob("*.py"), *records]):
         digest.update(file.read_bytes())
     return int.from_bytes(digest.digest()[:6], "big")

@@ -1,4 +1,4 @@
-"""The Newton step of the barrier problem, in the null space of every point's pose rows.
+"""The Newton step of the barrier problem, in the null space of every point's equality rows.
 
     [H  A^T] [dq   ]     [grad]
     [A   0 ] [y_new] = - [g   ]        H block tridiagonal, A block diagonal
@@ -9,12 +9,18 @@ T t = -g, (Z H Z^T) r = -Z (grad + H B^T t), T^T y_new = -B (grad + H dq).
 
 from __future__ import annotations
 
-from dualarm_pin.engine.chain import Floats
-from dualarm_pin.engine.compiled import compiled, inlined
-from dualarm_pin.engine.layout import Problem
-from dualarm_pin.engine.linear_algebra import block_cholesky, block_solve, orthonormal_basis
+from dualarm_pin.chain import Floats
+from dualarm_pin.engine.interior_point.linear_algebra import (
+    block_cholesky,
+    block_solve,
+    orthonormal_basis,
+)
+from dualarm_pin.engine.jit.compiled import compiled, inlined
 from dualarm_pin.engine.workspace import Workspace
+from dualarm_pin.problem import Problem
 
+# The inertia rule and its numbers are those of Waechter and Biegler (2006), section 3.1, but for
+# the smallest shift: the objective is scaled to about 1 here.
 _SHIFT_FIRST, _SHIFT_MIN, _SHIFT_MAX = 1e-4, 1e-12, 1e12
 _SHIFT_GROW_FIRST, _SHIFT_GROW, _SHIFT_SHRINK = 100.0, 8.0, 3.0
 
@@ -26,7 +32,7 @@ def reduce_system(problem: Problem, work: Workspace) -> None:
     for i in range(count):
         work.rank[i] = orthonormal_basis(
             work.jacobian[i],
-            problem.points.rows[i],
+            problem.row_count[i],
             work.basis[i],
             work.triangle[i],
             work.kept[i],
@@ -65,9 +71,9 @@ def _reduce_coupling(problem: Problem, work: Workspace, i: int) -> None:
     n = work.gradient.shape[1]
     here, before = work.basis[i], work.basis[i - 1]
     rank, rank_before = work.rank[i], work.rank[i - 1]
-    stiffness, bend = work.stiffness[i - 1], 8.0 * problem.points.link_weight[i - 1]
+    stiffness, bend = work.stiffness[i - 1], 8.0 * problem.links.weight[i - 1]
     link, half, block = work.link[i - 1], work.half, work.coupling[i]
-    metric, rows, columns = problem.metric, work.free[i], work.free[i - 1]
+    metric, rows, columns = problem.links.metric, work.free[i], work.free[i - 1]
     for b in range(columns):
         row, product = before[rank_before + b], half[b]
         along = 0.0
@@ -109,11 +115,14 @@ def factor_convex(work: Workspace, last_shift: float) -> float:
 
 @compiled
 def newton_step(problem: Problem, work: Workspace, step: Floats) -> None:
-    """Fill step (k, n): it removes the residual in `work.target` and minimises the model."""
+    """Fill step (k, n): it removes the residual in `work.target` and minimises the model.
+
+    The model's gradient is `work.pulled`; see `barrier.add_pull`.
+    """
     count, n = step.shape
     basis, kept, free = work.basis, work.kept, work.free
     target, normal, reduced = work.target, work.normal, work.reduced
-    slope, product = work.barrier_gradient, work.product
+    slope, product = work.pulled, work.product
     t = work.row
     for i in range(count):
         triangle, rank = work.triangle[i], work.rank[i]
@@ -144,16 +153,16 @@ def newton_step(problem: Problem, work: Workspace, step: Floats) -> None:
             length = reduced[i, a]
             for k in range(n):
                 step[i, k] += length * basis[i, rank + a, k]
-        for k in problem.fixed:
+        for k in problem.bounds.fixed:
             step[i, k] = 0.0  # not quite, after the mirrors
 
 
 @inlined
 def newton_multipliers(problem: Problem, work: Workspace, step: Floats) -> None:
-    """Fill new_y (k, 6): T^T y = -B (grad + H dq); 0 for rows that were dropped."""
+    """Fill new_y (k, m): T^T y = -B (grad + H dq); 0 for rows that were dropped."""
     count, n = step.shape
     basis, kept, new_y = work.basis, work.kept, work.new_y
-    slope, product = work.barrier_gradient, work.product
+    slope, product = work.pulled, work.product
     hessian_times(problem, work, step, product)
     for i in range(count):
         triangle, rank = work.triangle[i], work.rank[i]
@@ -179,12 +188,12 @@ def hessian_times(problem: Problem, work: Workspace, x: Floats, out: Floats) -> 
                 entry += hessian[a, b] * x[i, b]
             out[i, a] = entry
     for i in range(count - 1):
-        link, stiffness, bend = work.link[i], work.stiffness[i], 8.0 * problem.points.link_weight[i]
+        link, stiffness, bend = work.link[i], work.stiffness[i], 8.0 * problem.links.weight[i]
         here, after = 0.0, 0.0
         for k in range(n):
             here += link[k] * x[i, k]
             after += link[k] * x[i + 1, k]
         for k in range(n):
-            pull = stiffness * problem.metric[k]
+            pull = stiffness * problem.links.metric[k]
             out[i, k] -= pull * x[i + 1, k] + bend * after * link[k]
             out[i + 1, k] -= pull * x[i, k] + bend * here * link[k]

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 CODE = """
-from dualarm_pin.engine.ready import ensure_compiled
+from dualarm_pin.engine.jit.compilation import ensure_compiled
 report = ensure_compiled(print)
 print(report.from_cache, report.folder, ensure_compiled(print).from_cache)
 """

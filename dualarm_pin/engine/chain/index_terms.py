@@ -6,20 +6,20 @@ part in which b itself changes; that part is filled here, by elements, upper tri
 
 from __future__ import annotations
 
-from dualarm_pin.engine.calls import call_with_3, call_with_4
-from dualarm_pin.engine.chain import VARIABLE, Chain, Floats
-from dualarm_pin.engine.compiled import compiled
-from dualarm_pin.engine.kinematics import relative_jacobian
-from dualarm_pin.engine.layout import Problem
-from dualarm_pin.engine.vectors import cross, dot
+from dualarm_pin.chain import VARIABLE, Chain, Floats
+from dualarm_pin.engine.chain.kinematics import relative_jacobian
+from dualarm_pin.engine.chain.vectors import cross, dot
+from dualarm_pin.engine.jit.address import call_address
+from dualarm_pin.engine.jit.compiled import compiled
 from dualarm_pin.engine.workspace import Scratch
+from dualarm_pin.problem import Problem
 
 
 @compiled
 def projected_columns(problem: Problem, i: int, scratch: Scratch) -> None:
     """Fill a (n,): a_k = (Wt^(1/2) u) . J_k, summed over the elements of variable k."""
     chain, w, v, a = problem.chain, scratch.w, scratch.v, scratch.a
-    s, u = problem.task_scale, problem.points.u[i]
+    s, u = problem.terms.task_scale, problem.points.u[i]
     f = (s[0] * u[0], s[1] * u[1], s[2] * u[2])
     m = (s[3] * u[3], s[4] * u[4], s[5] * u[5])
     a[:] = 0.0
@@ -35,7 +35,7 @@ def force_value(problem: Problem, i: int, scratch: Scratch) -> float:
     projected_columns(problem, i, scratch)
     value = 0.0
     for k in range(scratch.a.shape[0]):
-        value += problem.joint_weights[k] * scratch.a[k] * scratch.a[k]
+        value += problem.terms.joint_weights[k] * scratch.a[k] * scratch.a[k]
     return value
 
 
@@ -44,23 +44,23 @@ def force_terms(problem: Problem, i: int, scratch: Scratch) -> None:
     """Fill b_e = 2 W_k s_e a_k Wt^(1/2) u and the Hessian part 2 sum_k W_k da_k/dq_j da_k/dq_l."""
     chain, weight = problem.chain, problem.points.index_weight[i]
     projected_columns(problem, i, scratch)
-    s, u, b = problem.task_scale, problem.points.u[i], scratch.b
+    s, u, b = problem.terms.task_scale, problem.points.u[i], scratch.b
     for e in range(chain.kind.shape[0]):
         factor = 0.0
         if chain.role[e] == VARIABLE:
             k = chain.source[e]
-            factor = 2.0 * weight * problem.joint_weights[k] * chain.scale[e] * scratch.a[k]
+            factor = 2.0 * weight * problem.terms.joint_weights[k] * chain.scale[e] * scratch.a[k]
         for c in range(6):
             b[c, e] = factor * s[c] * u[c]
     _slopes(problem, i, scratch)
-    _fill_squares(2.0 * weight, problem.joint_weights, scratch.slope, scratch.second)
+    _fill_squares(2.0 * weight, problem.terms.joint_weights, scratch.slope, scratch.second)
 
 
 @compiled
 def _slopes(problem: Problem, i: int, scratch: Scratch) -> None:
     """Fill slope (E, n) = da_k/dq_j: f . (w_min x v_max), and m . (w_j x w_e) for j < e."""
     chain, w, v, C = problem.chain, scratch.w, scratch.v, scratch.chain_slope
-    s, u = problem.task_scale, problem.points.u[i]
+    s, u = problem.terms.task_scale, problem.points.u[i]
     f = (s[0] * u[0], s[1] * u[1], s[2] * u[2])
     m = (s[3] * u[3], s[4] * u[4], s[5] * u[5])
     elements = w.shape[1]
@@ -106,12 +106,12 @@ def task_matrix(problem: Problem, scratch: Scratch) -> None:
     relative_jacobian(problem.chain, scratch.w, scratch.v, J_r)
     for r in range(6):
         for k in range(J_r.shape[1]):
-            J_r[r, k] *= problem.task_scale[r]
+            J_r[r, k] *= problem.terms.task_scale[r]
     for r in range(6):
         for c in range(r, 6):
             entry = 0.0
             for k in range(J_r.shape[1]):
-                entry += problem.joint_weights[k] * J_r[r, k] * J_r[c, k]
+                entry += problem.terms.joint_weights[k] * J_r[r, k] * J_r[c, k]
             A[r, c] = entry
             A[c, r] = entry
 
@@ -120,12 +120,9 @@ def task_matrix(problem: Problem, scratch: Scratch) -> None:
 def called_value(problem: Problem, i: int, scratch: Scratch) -> float:
     """Return phi(A, u)."""
     task_matrix(problem, scratch)
-    call_with_3(
-        problem.calls[0],
-        problem.index_kind,
-        scratch.A.ctypes.data,
-        problem.points.u[i].ctypes.data,
-        scratch.value.ctypes.data,
+    A = scratch.A.ctypes.data
+    call_address(
+        scratch.index_calls[0], A, problem.points.u[i].ctypes.data, A, scratch.value.ctypes.data
     )
     return float(scratch.value[0])
 
@@ -138,12 +135,11 @@ def called_terms(problem: Problem, i: int, scratch: Scratch) -> None:
     tr(dA_j dG[dA_l]) + 2 sum_k W_k dJ_k/dq_j . G dJ_k/dq_l.
     """
     chain, weight = problem.chain, problem.points.index_weight[i]
-    W, G, J_r, u = problem.joint_weights, scratch.G, scratch.J_r, problem.points.u[i]
-    b, s = scratch.b, problem.task_scale
+    W, G, J_r, u = problem.terms.joint_weights, scratch.G, scratch.J_r, problem.points.u[i]
+    b, s = scratch.b, problem.terms.task_scale
     task_matrix(problem, scratch)
-    call_with_3(
-        problem.calls[1], problem.index_kind, scratch.A.ctypes.data, u.ctypes.data, G.ctypes.data
-    )
+    A = scratch.A.ctypes.data
+    call_address(scratch.index_calls[1], A, u.ctypes.data, A, G.ctypes.data)
     for e in range(chain.kind.shape[0]):
         b[:, e] = 0.0
         if chain.role[e] == VARIABLE:
@@ -202,13 +198,12 @@ def _task_matrix_slopes(W: Floats, scratch: Scratch) -> None:
 @compiled
 def _add_curvature(problem: Problem, i: int, weight: float, scratch: Scratch) -> None:
     """Add tr(dA_j dG[dA_l]) + 2 sum_k W_k dJ_k/dq_j . G dJ_k/dq_l to the upper triangle."""
-    W, A, G, dG, GdJ = problem.joint_weights, scratch.A, scratch.G, scratch.dG, scratch.GdJ
+    W, A, G, dG, GdJ = problem.terms.joint_weights, scratch.A, scratch.G, scratch.dG, scratch.GdJ
     dJ, dA, second = scratch.dJ, scratch.dA, scratch.second
     n = dJ.shape[2]
     for e in range(dA.shape[0]):
-        call_with_4(
-            problem.calls[2],
-            problem.index_kind,
+        call_address(
+            scratch.index_calls[2],
             A.ctypes.data,
             problem.points.u[i].ctypes.data,
             dA[e].ctypes.data,

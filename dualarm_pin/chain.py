@@ -7,23 +7,26 @@ placements between the elements. Joints that both arms hang on cancel and are le
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+import weakref
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from dualarm_pin.engine.by_reference import by_reference
 from dualarm_pin.errors import InputError, ShapeError
+
+if TYPE_CHECKING:
+    from dualarm_pin.cell import Cell
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 VARIABLE, PARAMETER, CONSTANT = 0, 1, 2
 REVOLUTE, PRISMATIC = 0, 1
+_RIGID = 1e-9  # two poses of a frame in a segment differ by less if it moves with the segment
 
 
-@by_reference
 class Chain(NamedTuple):
     """Elements e = 0 .. E-1 between E+1 fixed placements; all arrays C-contiguous.
 
@@ -39,8 +42,6 @@ class Chain(NamedTuple):
         offset: (E,) rad or m.
         translation: (E+1, 3) m, fixed placement before element e; the last one leads to e2.
         quaternion: (E+1, 4) its rotation (w, x, y, z).
-        to_base: (7,) [position; quaternion] of base 1 in the element before `base`.
-        base: (1,) the placement that holds base 1 -> base 2.
         parameters: (p,) values of the shared parameters.
         columns: (1,) number of variables n.
     """
@@ -52,10 +53,20 @@ class Chain(NamedTuple):
     offset: Floats
     translation: Floats
     quaternion: Floats
-    to_base: Floats
-    base: Integers
     parameters: Floats
     columns: Integers
+
+
+class Body(NamedTuple):
+    """A frame that moves with one link of the chain.
+
+    Attributes:
+        segment: Number of elements between e1 and the link, 0 .. E.
+        placement: Pose of the frame in the frame of that segment (`pin.SE3`).
+    """
+
+    segment: int
+    placement: Any
 
 
 class _Element(NamedTuple):
@@ -66,6 +77,18 @@ class _Element(NamedTuple):
     source: int
     scale: float
     offset: float
+
+
+_CHAINS: weakref.WeakKeyDictionary[Cell, Chain] = weakref.WeakKeyDictionary()
+
+
+def chain_of(cell: Cell) -> Chain:
+    """Return the chain of a cell, read once."""
+    if cell not in _CHAINS:
+        _CHAINS[cell] = chain_from_model(
+            cell.model, cell.e1, cell.e2, cell.joint_map, cell.joint_offset
+        )
+    return _CHAINS[cell]
 
 
 def chain_from_model(
@@ -101,24 +124,73 @@ def chain_from_model(
     for joint in reversed(support1[common:]):
         elements += _elements(model, joint, current, -1.0, to_model, offset)
         current = model.jointPlacements[joint].inverse()
-    base, to_base = len(elements), current
     for joint in support2[common:]:
         placement = current * model.jointPlacements[joint]
         elements += _elements(model, joint, placement, 1.0, to_model, offset)
         current = pin.SE3.Identity()
-    return _arrays(elements, current * model.frames[e2].placement, base, to_base, to_model.shape[1])
+    return _arrays(elements, current * model.frames[e2].placement, to_model.shape[1])
 
 
-def move_base(chain: Chain, motion: Any) -> Chain:
-    """Return the chain with the base of arm 2 moved by a pin.SE3 given in the frame of base 1."""
-    turn = pin.Quaternion(np.roll(chain.to_base[3:], -1))
-    to_base = pin.SE3(turn, chain.to_base[:3])
-    at = int(chain.base[0])
-    placement = pin.SE3(pin.Quaternion(np.roll(chain.quaternion[at], -1)), chain.translation[at])
-    moved = to_base * motion * to_base.inverse() * placement
-    translation, quaternion = chain.translation.copy(), chain.quaternion.copy()
-    translation[at], quaternion[at] = moved.translation, quaternion_of(moved.rotation)
-    return chain._replace(translation=translation, quaternion=quaternion)
+def segments(chain: Chain, q: ArrayLike) -> list[Any]:
+    """Return the pose in e1 of every segment (`pin.SE3`, E+1 of them) at q (n,).
+
+    Segment s lies behind s elements: 0 is the link that e1 is on, in the frame in which element 0
+    moves, and E the link that e2 is on, in the frame of e2.
+    """
+    variables = np.asarray(q, dtype=np.float64)
+    pose, found = pin.SE3.Identity(), []
+    for e in range(len(chain.kind) + 1):
+        if e > 0:
+            pose = pose * _motion(chain, e - 1, variables)
+        turn = pin.Quaternion(np.roll(chain.quaternion[e], -1))
+        pose = pose * pin.SE3(turn, chain.translation[e])
+        found.append(pose)
+    return found
+
+
+def body_of(cell: Cell, frame: int) -> Body:
+    """Find the link of the chain that a frame of the cell's model moves with.
+
+    Args:
+        cell: The two arms.
+        frame: Frame id; 0 is the world.
+
+    Raises:
+        InputError: The frame moves with no link of the chain: a joint that moves both arms, or
+            one that is off the chain, lies between.
+    """
+    chain = chain_of(cell)
+    draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, cell.n))
+    seen = [_seen_from_segments(cell, chain, frame, q) for q in draw]
+    for segment, first in enumerate(seen[0]):
+        others = (other[segment].homogeneous - first.homogeneous for other in seen[1:])
+        if all(np.abs(away).max() < _RIGID for away in others):
+            return Body(segment, first)
+    raise InputError(
+        "moves with a joint that is not between the two tools, such as a common torso that was "
+        "set free: lock that joint",
+        field=cell.model.frames[frame].name,
+    )
+
+
+def _seen_from_segments(cell: Cell, chain: Chain, frame: int, q: Floats) -> list[Any]:
+    model, data = cell.model, cell.data()
+    pin.forwardKinematics(model, data, cell.model_q(q))
+    in_e1 = pin.updateFramePlacement(model, data, cell.e1).actInv(
+        pin.updateFramePlacement(model, data, frame)
+    )
+    return [segment.actInv(in_e1) for segment in segments(chain, q)]
+
+
+def _motion(chain: Chain, e: int, q: Floats) -> Any:
+    """Return what element e does to its frame at q (`pin.SE3`)."""
+    value = chain.offset[e]
+    if chain.role[e] != CONSTANT:
+        values = q if chain.role[e] == VARIABLE else chain.parameters
+        value += chain.scale[e] * values[chain.source[e]]
+    if chain.kind[e] == REVOLUTE:
+        return pin.SE3(pin.utils.rotate("z", float(value)), np.zeros(3))
+    return pin.SE3(np.eye(3), np.array([0.0, 0.0, value]))
 
 
 def quaternion_of(rotation: ArrayLike) -> Floats:
@@ -188,18 +260,14 @@ def _joint_axis(model: Any, joint: int) -> tuple[int, Floats]:
     )
 
 
-def _arrays(elements: list[_Element], last: Any, base: int, to_base: Any, columns: int) -> Chain:
+def _arrays(elements: list[_Element], last: Any, columns: int) -> Chain:
     """Turn every element's frame so that its axis is z, and pack the arrays."""
     placements, before = [], pin.SE3.Identity()
-    for at, element in enumerate(elements):
+    for element in elements:
         turned = pin.SE3(_turn_z_to(element.axis), np.zeros(3))
         placements.append(before.inverse() * element.placement * turned)
-        if at == base:
-            to_base = before.inverse() * to_base
         before = turned
     placements.append(before.inverse() * last)
-    if base == len(elements):
-        to_base = before.inverse() * to_base
     return Chain(
         kind=np.array([e.kind for e in elements], dtype=np.int64),
         role=np.array([e.role for e in elements], dtype=np.int64),
@@ -208,8 +276,6 @@ def _arrays(elements: list[_Element], last: Any, base: int, to_base: Any, column
         offset=np.array([e.offset for e in elements], dtype=np.float64),
         translation=np.array([p.translation for p in placements]),
         quaternion=np.array([quaternion_of(p.rotation) for p in placements]),
-        to_base=np.concatenate([to_base.translation, quaternion_of(to_base.rotation)]),
-        base=np.array([base]),
         parameters=np.zeros(0),
         columns=np.array([columns]),
     )

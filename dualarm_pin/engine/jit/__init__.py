@@ -1,0 +1,1 @@
+"""How the engine is compiled: decorators, records by address, functions by address."""

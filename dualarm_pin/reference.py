@@ -1,0 +1,156 @@
+"""The objective and the rows of a problem by Pinocchio, one point at a time.
+
+The reference that the engine is checked against, and what a solver that asks Python gets.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.indices import Index
+from dualarm_pin.relative import Relative
+from dualarm_pin.rows.pose import pose_residual
+
+if TYPE_CHECKING:
+    from dualarm_pin.problem import Problem
+
+Array = NDArray[np.float64]
+
+
+def objective(problem: Problem, q: Array) -> float:
+    """Return the objective at q (k, n)."""
+    bounds = problem.lower, problem.upper
+    value = sum(
+        weight * index_value(problem.index, Relative(problem.cell, q_i), u, q_i, bounds)
+        for weight, q_i, u in zip(problem.points.index_weight, q, problem.points.u, strict=True)
+        if weight != 0.0
+    )
+    return float(value) + coupling(problem, q)[0]
+
+
+def objective_and_gradient(problem: Problem, q: Array) -> tuple[float, Array]:
+    """Return the objective at q (k, n) and its gradient (k, n)."""
+    value, gradient = coupling(problem, q)
+    for i, q_i in enumerate(q):
+        c, dc = point_gradient(problem, i, Relative(problem.cell, q_i))
+        value += c
+        gradient[i] += dc
+    return value, gradient
+
+
+def point_gradient(problem: Problem, i: int, relative: Relative) -> tuple[float, Array]:
+    """Return a_i c at point i and its gradient (n,)."""
+    weight = float(problem.points.index_weight[i])
+    if weight == 0.0:
+        return 0.0, np.zeros(problem.n)
+    bounds = problem.lower, problem.upper
+    c, dc = index_gradient(problem.index, relative, problem.points.u[i], relative.q, bounds)
+    return weight * c, weight * dc
+
+
+def coupling(problem: Problem, q: Array) -> tuple[float, Array]:
+    """Return the linear and link terms at q (k, n), and their gradient (k, n)."""
+    linear, links, ends = problem.points.linear, problem.links, problem.neighbours
+    postures = np.concatenate([ends.posture[:1], q, ends.posture[1:]])
+    weight = np.concatenate([ends.weight[:1], links.weight[:-1], ends.weight[1:]])
+    step = np.diff(postures, axis=0)
+    pull = links.metric * step
+    squared = np.sum(pull * step, axis=1)
+    slope = (4.0 * weight * squared)[:, None] * pull
+    value = float(np.sum(weight * squared**2)) + float(np.sum(linear * q))
+    return value, linear + slope[:-1] - slope[1:]
+
+
+def equalities(problem: Problem, i: int, relative: Relative) -> tuple[Array, Array]:
+    """Return the rows of point i that must be zero (m_i,) and their Jacobian (m_i, n).
+
+    The pose rows come first: position [m], then rotation.
+    """
+    points = problem.points
+    values, jacobian = pose_residual(
+        relative,
+        points.position[i],
+        points.rotation[i],
+        int(points.pose_rows[i]),
+        problem.spin_axis,
+    )
+    if not problem.equalities.size[i]:
+        return values, jacobian
+    more, slopes = _rows(
+        problem, problem.equalities.source[i, : problem.equalities.size[i]], relative
+    )
+    return np.append(values, more), np.vstack([jacobian, slopes])
+
+
+def inequalities(problem: Problem, i: int, relative: Relative) -> tuple[Array, Array]:
+    """Return the rows of point i that must be zero or more (r_i,) and their Jacobian (r_i, n)."""
+    table = problem.inequalities
+    return _rows(problem, table.source[i, : table.size[i]], relative)
+
+
+def violation(problem: Problem, q: Array) -> float:
+    """Return the largest violation of a row at q (k, n): pose, other equalities, inequalities."""
+    worst = 0.0
+    for i, q_i in enumerate(q):
+        relative = Relative(problem.cell, q_i)
+        below, _ = inequalities(problem, i, relative)
+        zero, _ = equalities(problem, i, relative)
+        worst = max(worst, float(np.max(np.abs(zero))), float(np.max(-below, initial=0.0)))
+    return worst
+
+
+def _rows(problem: Problem, which: NDArray[np.int64], relative: Relative) -> tuple[Array, Array]:
+    found = [problem.rows[number].at(problem.cell, relative.q) for number in which]
+    values = np.array([value for value, _ in found])
+    return values, np.array([slope for _, slope in found]).reshape(len(found), problem.n)
+
+
+def index_matrix(index: Index, J: Array) -> Array:
+    """Return A = Wt^(1/2) J W J^T Wt^(1/2) (6, 6) (eq. 8)."""
+    rows = J if index.task_weights is None else np.sqrt(index.task_weights)[:, None] * J
+    weighted = rows if index.joint_weights is None else rows * index.joint_weights
+    return rows @ weighted.T
+
+
+def index_value(
+    index: Index, relative: Relative, u: Array, q: Array, bounds: tuple[Array, Array]
+) -> float:
+    """Return c at one point, the additive joint-centre term included.
+
+    Args:
+        index: The index.
+        relative: The pair of arms at q.
+        u: Direction (6,) in e1 axes.
+        q: Joints (n,).
+        bounds: Lower and upper bounds (n,), whose middle is the joint centre.
+    """
+    value = float(index.phi(index_matrix(index, relative.J_r), u))
+    return value + _joint_centre(index, q, bounds)[0]
+
+
+def index_gradient(
+    index: Index, relative: Relative, u: Array, q: Array, bounds: tuple[Array, Array]
+) -> tuple[float, Array]:
+    """Return c at one point and dc/dq (n,); the arguments are those of `index_value`."""
+    J = relative.J_r
+    A = index_matrix(index, J)
+    slope = index.gradient(A, u)
+    if index.task_weights is not None:
+        root = np.sqrt(index.task_weights)
+        slope = root[:, None] * slope * root
+    P = slope @ J if index.joint_weights is None else slope @ J * index.joint_weights
+    # dc/dq_l = tr(slope dA_l) = 2 sum_k W_k (slope J_k) . dJ_k/dq_l
+    gradient = 2.0 * (P.ravel() @ relative.dJ_r.reshape(P.size, -1))
+    extra, slope_extra = _joint_centre(index, q, bounds)
+    return float(index.phi(A, u)) + extra, gradient + slope_extra
+
+
+def _joint_centre(index: Index, q: Array, bounds: tuple[Array, Array]) -> tuple[float, Array]:
+    if index.joint_centre == 0.0:
+        return 0.0, np.zeros_like(q)
+    half = np.maximum((bounds[1] - bounds[0]) / 2.0, 1e-12)
+    offset = (q - (bounds[0] + bounds[1]) / 2.0) / half
+    return index.joint_centre * float(offset @ offset), 2.0 * index.joint_centre * offset / half

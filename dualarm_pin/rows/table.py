@@ -1,0 +1,115 @@
+"""Rows as arrays: which rows hold at which points, on which bodies of the chain."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+import pinocchio as pin
+from numpy.typing import NDArray
+
+from dualarm_pin.chain import Body, body_of, chain_of
+from dualarm_pin.errors import InputError
+from dualarm_pin.rows.half_space import plane_point
+from dualarm_pin.rows.row import Row
+
+if TYPE_CHECKING:
+    from dualarm_pin.cell import Cell
+
+# A plane of one body against a point of another has code of its own, any other row is called.
+PLANE_POINT, CALLED = 0, 1
+PLACEMENTS = 24  # numbers before the parameters of a called row: rotation and position of a and b
+
+
+class RowTable(NamedTuple):
+    """Rows of one sort over k points, at most r at a point; the first `size` of them count.
+
+    Attributes:
+        size: (k,) rows at each point.
+        kind: (k, r) PLANE_POINT or CALLED.
+        source: (k, r) which row of the problem it is.
+        first: (k, r) segment of body a on the chain.
+        second: (k, r) segment of body b.
+        data: (k, r, w) a plane [normal; offset] in segment a and a point in segment b; or the
+            placements of a and b in their segments (rotation by rows, position), then parameters.
+    """
+
+    size: NDArray[np.int64]
+    kind: NDArray[np.int64]
+    source: NDArray[np.int64]
+    first: NDArray[np.int64]
+    second: NDArray[np.int64]
+    data: NDArray[np.float64]
+
+
+def row_table(
+    rows: Sequence[Row], cell: Cell, k: int, *, equality: bool, turn: Any | None = None
+) -> RowTable:
+    """Return the table of those rows that are equalities, or of those that are not.
+
+    Args:
+        rows: All rows of a problem.
+        cell: The two arms.
+        k: Points of the path.
+        equality: Which sort.
+        turn: Rotation (3, 3) of the frame in which the chain ends, in e2; the identity if None.
+
+    Raises:
+        InputError: A row names a point that does not exist, or a body off the chain.
+        UnknownNameError: A row names a frame that the cell does not have.
+    """
+    chosen = [(number, row) for number, row in enumerate(rows) if row.equality == equality]
+    entries = {number: _entry(row, cell, turn) for number, row in chosen}
+    at = [[number for number, row in chosen if row.holds_at(i)] for i in range(k)]
+    for _, row in chosen:
+        outside = [point for point in row.points or () if not 0 <= point < k]
+        if outside:
+            raise InputError(
+                f"point {outside[0] + 1} does not exist: the path has points 1 to {k}",
+                field=row.name,
+            )
+    r = max(map(len, at), default=0)
+    width = max((len(data) for *_, data in entries.values()), default=0)
+    table = RowTable(
+        size=np.array([len(numbers) for numbers in at], dtype=np.int64),
+        kind=np.zeros((k, r), dtype=np.int64),
+        source=np.zeros((k, r), dtype=np.int64),
+        first=np.zeros((k, r), dtype=np.int64),
+        second=np.zeros((k, r), dtype=np.int64),
+        data=np.zeros((k, r, width)),
+    )
+    for i, numbers in enumerate(at):
+        for j, number in enumerate(numbers):
+            kind, first, second, data = entries[number]
+            table.kind[i, j], table.source[i, j] = kind, number
+            table.first[i, j], table.second[i, j] = first, second
+            table.data[i, j, : len(data)] = data
+    return table
+
+
+def _entry(row: Row, cell: Cell, turn: Any | None) -> tuple[int, int, int, NDArray[np.float64]]:
+    a, b = (_on_chain(cell, frame, turn, row) for frame in row.frames(cell))
+    if row.phi is plane_point:
+        # The same plane in the frame of segment a: n' = R n, d' = d + n' . p.
+        normal = a.placement.rotation @ row.parameters[:3]
+        offset = row.parameters[3] + normal @ a.placement.translation
+        point = b.placement.act(row.parameters[4:7])
+        return PLANE_POINT, a.segment, b.segment, np.array([*normal, offset, *point])
+    placements = [
+        part for body in (a, b) for part in (body.placement.rotation, body.placement.translation)
+    ]
+    numbers = np.concatenate([*(np.ravel(part) for part in placements), row.parameters])
+    return CALLED, a.segment, b.segment, numbers
+
+
+def _on_chain(cell: Cell, frame: int, turn: Any | None, row: Row) -> Body:
+    """Return the body of a frame, in the frame that the problem's chain ends in."""
+    try:
+        body = body_of(cell, frame)
+    except InputError as error:
+        raise InputError(f"{error.field} {error.message}", field=row.name) from error
+    if turn is None or body.segment < len(chain_of(cell).kind):
+        return body
+    back = pin.SE3(np.asarray(turn).T, np.zeros(3))
+    return Body(body.segment, back * body.placement)
