@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.entry import cell_from_source
-from dualarm_pin.cell.inspect import CellReport, describe
+from dualarm_pin.cell.python_arguments import cell_from_source
+from dualarm_pin.cell.describe import CellReport, describe
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import read_yaml
 from dualarm_pin.path import Path as RelativePath

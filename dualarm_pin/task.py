@@ -15,7 +15,7 @@ from ruamel.yaml import YAML
 
 from dualarm_pin import indices
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.entry import cell_from_source
+from dualarm_pin.cell.python_arguments import cell_from_source
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.source import Key, Source, check, plain
 from dualarm_pin.files.task_spec import IndexSpec, SmoothnessSpec, TaskSpec, read_task

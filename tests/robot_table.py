@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import pytest
 
-from dualarm_pin.cell.packages import robot_data_share
+from dualarm_pin.robot.packages import robot_data_share
 
 SINGLE = [
     ("panda", "panda_description/urdf/panda.urdf", "panda_hand_tcp", 7),

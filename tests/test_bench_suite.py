@@ -188,7 +188,7 @@ def test_a_gate_without_a_run_does_not_hold():
 @pytest.mark.parametrize(("name", "runs"), [("paper", 25), ("placement", 90), ("cells", 108)])
 def test_the_suites_that_ship_are_right(name, runs):
     if name == "cells":
-        from dualarm_pin.cell.packages import robot_data_share
+        from dualarm_pin.robot.packages import robot_data_share
 
         if robot_data_share() is None:
             pytest.skip("needs the extra `robots`")

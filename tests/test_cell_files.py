@@ -258,7 +258,7 @@ def test_packages_are_found_without_the_environment(
 def test_without_the_extra_a_message_says_how_to_get_it(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dualarm_pin.cell import packages
+    from dualarm_pin.robot import packages
 
     monkeypatch.setattr(packages, "robot_data_share", lambda: None)
     text = PAIR.replace("small.urdf", "package://example-robot-data/robots/a/b.urdf")

@@ -9,7 +9,7 @@ import pytest
 from test_bad_robots import SOUND
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.inspect import CellReport, describe
+from dualarm_pin.cell.describe import CellReport, describe
 from dualarm_pin.files.resources import urdf_folder
 
 

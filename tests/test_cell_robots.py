@@ -9,7 +9,7 @@ from robot_table import NAMES, SINGLE, TWIN, arguments, needs_robots
 from test_relative import derivative_difference, difference
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.packages import find_file, robot_data_share
+from dualarm_pin.robot.packages import find_file, robot_data_share
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.relative import Relative
 

@@ -17,8 +17,8 @@ FLOORS = {
     4: {"search", "evidence"},
     3: {"task", "problem", "solvers", "answer"},
     2: {"indices", "constraints", "engine"},
-    1: {"cell", "meshes", "path", "relative"},
-    0: {"errors", "tolerance", "files", "arrays", "progress", "__init__"},
+    1: {"cell", "meshes", "path", "relative", "robot"},
+    0: {"errors", "tolerance", "files", "arrays", "progress", "cpp_messages", "__init__"},
 }
 FLOOR = {noun: floor for floor, nouns in FLOORS.items() for noun in nouns}
 MODULES = sorted(PACKAGE.rglob("*.py"))

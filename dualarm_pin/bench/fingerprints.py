@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from dualarm_pin.bench.run import Inputs, digest
-from dualarm_pin.cell.entry import cell_from_source
-from dualarm_pin.cell.packages import find_file
+from dualarm_pin.cell.python_arguments import cell_from_source
+from dualarm_pin.robot.packages import find_file
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.cell_spec import CellSpec
 from dualarm_pin.files.source import Key, Source, check, plain

@@ -15,9 +15,9 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from dualarm_pin.cell.clearance import smallest
-from dualarm_pin.cell.document import Placed
-from dualarm_pin.cell.geometry import Bodies, build_bodies
-from dualarm_pin.cell.nouns import Arm, Clearance, Joint, SourceFile
+from dualarm_pin.cell.merged_urdf import Placed
+from dualarm_pin.cell.build_bodies import Bodies, build_bodies
+from dualarm_pin.cell.parts import Arm, Clearance, Joint, SourceFile
 from dualarm_pin.cell.pairs import add_pairs
 from dualarm_pin.errors import ShapeError
 
@@ -70,7 +70,7 @@ class Cell:
             InputError: Something in it is wrong; the message says where and what is allowed.
             MissingExtraError: It needs a library that is not installed.
         """
-        from dualarm_pin.cell.entry import load_cell  # entry makes cells
+        from dualarm_pin.cell.python_arguments import load_cell  # entry makes cells
 
         return load_cell(Path(file))
 
@@ -110,7 +110,7 @@ class Cell:
             MissingFileError: A file does not exist.
             InputError: Something is wrong; the message says where and what is allowed.
         """
-        from dualarm_pin.cell.entry import cell_from_urdf  # entry makes cells
+        from dualarm_pin.cell.python_arguments import cell_from_urdf  # entry makes cells
 
         return cell_from_urdf(
             urdf1, urdf2, base1, base2, tips, tools, limits, lock, free, srdf, package_dirs, name

@@ -6,8 +6,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from dualarm_pin.cell.nouns import Owner
-from dualarm_pin.cell.urdf import Robot, UrdfJoint
+from dualarm_pin.cell.parts import Owner
+from dualarm_pin.robot.robot import Robot, UrdfJoint
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 
 

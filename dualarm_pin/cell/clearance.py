@@ -8,8 +8,8 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
-from dualarm_pin.cell.geometry import Bodies
-from dualarm_pin.cell.nouns import Clearance
+from dualarm_pin.cell.build_bodies import Bodies
+from dualarm_pin.cell.parts import Clearance
 
 Scratch = dict[str, Any]
 

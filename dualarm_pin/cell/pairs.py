@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.document import Placed
-from dualarm_pin.cell.geometry import Bodies
+from dualarm_pin.cell.merged_urdf import Placed
+from dualarm_pin.cell.build_bodies import Bodies
 
 _ALWAYS = 0.9  # share of random configurations above which a pair says nothing
 _SAMPLES = 100

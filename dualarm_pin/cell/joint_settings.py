@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from dualarm_pin.cell.chains import Chains
-from dualarm_pin.cell.urdf import UrdfJoint
+from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.files.cell_spec import CellSpec, JointSettings
 

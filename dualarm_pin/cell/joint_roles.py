@@ -6,10 +6,10 @@ import math
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 
-from dualarm_pin.cell.asked import Asked, Blame
+from dualarm_pin.cell.joint_settings import Asked, Blame
 from dualarm_pin.cell.chains import Chains
-from dualarm_pin.cell.nouns import Joint, Owner
-from dualarm_pin.cell.urdf import UrdfJoint
+from dualarm_pin.cell.parts import Joint, Owner
+from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.errors import InputError
 
 TURN = 2.0 * math.pi

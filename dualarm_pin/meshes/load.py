@@ -9,8 +9,8 @@ from pathlib import Path
 import coal
 import numpy as np
 
-from dualarm_pin.cell.mesh_files import Points, Triangles, read_mesh
-from dualarm_pin.cell.native import captured_stderr
+from dualarm_pin.meshes.formats.obj import Points, Triangles, read_mesh
+from dualarm_pin.cpp_messages import captured_stderr
 from dualarm_pin.errors import InputError
 
 _LARGEST = 500_000_000  # bytes

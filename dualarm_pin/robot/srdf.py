@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.cell.urdf import Robot
-from dualarm_pin.cell.xml import Reader, parse_xml, read_bytes
+from dualarm_pin.robot.robot import Robot
+from dualarm_pin.robot.xml import Reader, parse_xml, read_bytes
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 
 

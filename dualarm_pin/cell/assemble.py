@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.asked import Asked, Blame, find_joints, gather
+from dualarm_pin.cell.joint_settings import Asked, Blame, find_joints, gather
 from dualarm_pin.cell.cell import Cell, read_only
 from dualarm_pin.cell.chains import Chains
-from dualarm_pin.cell.document import TOOLS, WORLD, Placed, document, pose_of
-from dualarm_pin.cell.native import model_from_xml
-from dualarm_pin.cell.nouns import ARMS, Arm, Joint, SourceFile
-from dualarm_pin.cell.reading import Loader, read_robots
-from dualarm_pin.cell.settle import settle
+from dualarm_pin.cell.merged_urdf import TOOLS, WORLD, Placed, document, pose_of
+from dualarm_pin.cpp_messages import model_from_xml
+from dualarm_pin.cell.parts import ARMS, Arm, Joint, SourceFile
+from dualarm_pin.cell.read_robots import Loader, read_robots
+from dualarm_pin.cell.joint_roles import settle
 from dualarm_pin.files.cell_spec import CellSpec, PlacementSpec
 
 

@@ -9,10 +9,10 @@ from typing import Any
 import pinocchio as pin
 from pydantic import ValidationError
 
-from dualarm_pin.cell.build import build
+from dualarm_pin.cell.assemble import build
 from dualarm_pin.cell.cell import Cell, Pair
-from dualarm_pin.cell.nouns import ARMS
-from dualarm_pin.cell.reading import Loader
+from dualarm_pin.cell.parts import ARMS
+from dualarm_pin.cell.read_robots import Loader
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import CellSpec
 from dualarm_pin.files.source import Key, Source, check, read_yaml

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any, Literal
 
-from dualarm_pin.cell.urdf import Inertial, Shape, Triple
-from dualarm_pin.cell.xml import HUGE, Reader
+from dualarm_pin.robot.robot import Inertial, Shape, Triple
+from dualarm_pin.robot.xml import HUGE, Reader
 
 _Kind = Literal["box", "cylinder", "sphere", "capsule"]
 # A size that is missing is negative, and refused.

@@ -12,7 +12,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from dualarm_pin.cell.cell import Cell
-from dualarm_pin.cell.nouns import Arm, Joint
+from dualarm_pin.cell.parts import Arm, Joint
 from dualarm_pin.tolerance import TOLERANCE
 
 _POSTURES = 50
@@ -109,7 +109,7 @@ class CellReport:
 
     def as_text(self) -> str:
         """Return a plain table for people; angles in degrees."""
-        from dualarm_pin.cell.inspect_text import text_of
+        from dualarm_pin.cell.report_text import text_of
 
         return text_of(self)
 

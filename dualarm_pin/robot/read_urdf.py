@@ -6,10 +6,10 @@ import math
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.cell.read_shape import inertial, material_colour, pose, shapes
-from dualarm_pin.cell.tree import check_tree
-from dualarm_pin.cell.urdf import KINDS, Link, Mimic, Robot, Triple, UrdfJoint
-from dualarm_pin.cell.xml import Reader, parse_xml, read_bytes
+from dualarm_pin.robot.read_link import inertial, material_colour, pose, shapes
+from dualarm_pin.robot.check_tree import check_tree
+from dualarm_pin.robot.robot import KINDS, Link, Mimic, Robot, Triple, UrdfJoint
+from dualarm_pin.robot.xml import Reader, parse_xml, read_bytes
 from dualarm_pin.errors import nearest
 
 _DIALECTS = {"sdf": "SDF", "mujoco": "MJCF (MuJoCo)", "COLLADA": "COLLADA", "html": "HTML"}

@@ -6,10 +6,10 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from dualarm_pin.cell.nouns import Joint
+from dualarm_pin.cell.parts import Joint
 
 if TYPE_CHECKING:
-    from dualarm_pin.cell.inspect import ArmReport, CellReport
+    from dualarm_pin.cell.describe import ArmReport, CellReport
 
 _DEG = 180.0 / math.pi
 _SHOWN = 12  # lines of a list that can be very long

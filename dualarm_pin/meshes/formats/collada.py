@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.cell.xml import parse_xml
+from dualarm_pin.robot.xml import parse_xml
 
 Array = NDArray[np.float64]
 Part = tuple[Array, NDArray[np.int64]]

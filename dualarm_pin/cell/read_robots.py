@@ -7,14 +7,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from dualarm_pin.cell.asked import Blame
+from dualarm_pin.cell.joint_settings import Blame
 from dualarm_pin.cell.chains import Chains, find_tip, single_chain, twin_chains
-from dualarm_pin.cell.nouns import ARMS
-from dualarm_pin.cell.packages import find_file
-from dualarm_pin.cell.read_urdf import parse_urdf
-from dualarm_pin.cell.srdf import Srdf, read_srdf
-from dualarm_pin.cell.urdf import Robot
-from dualarm_pin.cell.xml import read_bytes
+from dualarm_pin.cell.parts import ARMS
+from dualarm_pin.robot.packages import find_file
+from dualarm_pin.robot.read_urdf import parse_urdf
+from dualarm_pin.robot.srdf import Srdf, read_srdf
+from dualarm_pin.robot.robot import Robot
+from dualarm_pin.robot.xml import read_bytes
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import CellSpec
 
@@ -54,7 +54,7 @@ class Loader:
         raw = read_bytes(path)
         self.note(path, raw)
         if path.suffix == ".xacro":
-            from dualarm_pin.cell.xacro import expand_xacro
+            from dualarm_pin.robot.xacro import expand_xacro
 
             raw = expand_xacro(path, arguments, self.package_dirs)
         robot = parse_urdf(raw, path)

@@ -16,8 +16,8 @@ import numpy as np
 import pinocchio as pin
 
 from dualarm_pin.cell.chains import Chains
-from dualarm_pin.cell.settle import TURN, Settled
-from dualarm_pin.cell.urdf import Inertial, UrdfJoint
+from dualarm_pin.cell.joint_roles import TURN, Settled
+from dualarm_pin.robot.robot import Inertial, UrdfJoint
 
 WORLD, TOOLS = "cell", ("e1", "e2")  # no slash: never the name of a robot's link
 

@@ -7,7 +7,7 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.cell.packages import find_package
+from dualarm_pin.robot.packages import find_package
 from dualarm_pin.errors import InputError, MissingExtraError
 
 

@@ -70,7 +70,7 @@ def read_mesh(path: Path) -> tuple[Points, Triangles]:
         ValueError: It is damaged, or of another format than STL, OBJ or Collada.
         OSError: It cannot be read.
     """
-    from dualarm_pin.cell.collada import read_collada
+    from dualarm_pin.meshes.formats.collada import read_collada
 
     suffix = path.suffix.lower()
     if suffix == ".dae":

@@ -11,10 +11,10 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.document import Placed, pose_of
-from dualarm_pin.cell.mesh import load_mesh
-from dualarm_pin.cell.packages import find_file
-from dualarm_pin.cell.urdf import Shape
+from dualarm_pin.cell.merged_urdf import Placed, pose_of
+from dualarm_pin.meshes.load import load_mesh
+from dualarm_pin.robot.packages import find_file
+from dualarm_pin.robot.robot import Shape
 from dualarm_pin.errors import DualArmError
 
 

@@ -1,0 +1,1 @@
+"""Robots from strangers: URDF, xacro and SRDF, found, read and checked."""
