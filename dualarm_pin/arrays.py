@@ -14,6 +14,7 @@ from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.tolerance import TOLERANCE
 
 Array: TypeAlias = NDArray[np.float64]
+Integers: TypeAlias = NDArray[np.int64]
 
 _NO_LENGTH = 1e-12
 

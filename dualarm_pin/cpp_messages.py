@@ -1,4 +1,4 @@
-"""Calls into C++ whose true reason of failure goes only to the C-level stderr."""
+"""What C++ libraries write to the C-level stderr: often the only true reason of a failure."""
 
 from __future__ import annotations
 
@@ -6,14 +6,6 @@ import os
 import tempfile
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from pathlib import Path
-from typing import TypeVar
-
-import pinocchio as pin
-
-from dualarm_pin.errors import InputError
-
-T = TypeVar("T")
 
 
 @contextmanager
@@ -36,21 +28,3 @@ def captured_stderr() -> Iterator[Callable[[], str]]:
         finally:
             os.dup2(saved, 2)
             os.close(saved)
-
-
-def model_from_xml(xml: str, files: str | Path) -> pin.Model:
-    """Build a Pinocchio model from URDF text.
-
-    Args:
-        xml: The document.
-        files: What to name in a message.
-
-    Raises:
-        InputError: Pinocchio refuses it, with the reason it wrote to stderr.
-    """
-    with captured_stderr() as written:
-        try:
-            return pin.buildModelFromXML(xml)
-        except (ValueError, RuntimeError) as error:
-            reason = written() or str(error)
-            raise InputError(f"Pinocchio refuses this robot: {reason}", file=files) from error

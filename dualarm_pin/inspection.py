@@ -10,8 +10,9 @@ from typing import Any
 import numpy as np
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.python_arguments import cell_from_source
-from dualarm_pin.cell.describe import CellReport, describe
+from dualarm_pin.cell.describe import describe
+from dualarm_pin.cell.report import CellReport
+from dualarm_pin.cell.report_text import text_of
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import read_yaml
 from dualarm_pin.path import Path as RelativePath
@@ -43,11 +44,11 @@ class Inspection:
     def as_text(self) -> str:
         """Return everything as text."""
         if self.task is None:
-            return self.cell.as_text()
+            return text_of(self.cell)
         lines = [
             f"  {key.replace('_', ' '):<18}{_shown(value)}" for key, value in self.task.items()
         ]
-        return "\n".join([self.cell.as_text(), "", "task", *lines])
+        return "\n".join([text_of(self.cell), "", "task", *lines])
 
     def draw(self, file: Path) -> None:
         """Write a page with the cell, on the path where there is one."""
@@ -80,7 +81,7 @@ def inspect(file: Path, overrides: Sequence[str] = ()) -> Inspection:
         return Inspection(describe(task.cell), _facts(task), task)
     if overrides:
         raise InputError("--set changes a task file; this is a cell file", file=file)
-    cell = cell_from_source(source)
+    cell = Cell.from_source(source)
     return Inspection(describe(cell), None, cell)
 
 

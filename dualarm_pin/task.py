@@ -15,7 +15,6 @@ from ruamel.yaml import YAML
 
 from dualarm_pin import indices
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.python_arguments import cell_from_source
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.source import Key, Source, check, plain
 from dualarm_pin.files.task_spec import IndexSpec, SmoothnessSpec, TaskSpec, read_task
@@ -102,7 +101,7 @@ class Task:
         """
         source, cell_source, keys = read_task(file, overrides)
         spec = check(source, TaskSpec)
-        cell = cell_from_source(cell_source, keys)
+        cell = Cell.from_source(cell_source, keys)
         try:
             return cls._from_spec(spec, source, cell, _cell_record(cell_source, keys))
         except InputError as error:

@@ -9,7 +9,9 @@ import pytest
 from test_bad_robots import SOUND
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.describe import CellReport, describe
+from dualarm_pin.cell.describe import describe
+from dualarm_pin.cell.report import CellReport
+from dualarm_pin.cell.report_text import text_of
 from dualarm_pin.files.resources import urdf_folder
 
 
@@ -39,7 +41,7 @@ def test_the_same_seed_gives_the_same_report(report: CellReport) -> None:
 
 
 def test_the_text_names_what_a_user_looks_for(report: CellReport) -> None:
-    text = report.as_text()
+    text = text_of(report)
     for piece in (
         "Cell ns16_pair: 12 joints",
         "base_link -> flange, 6 joints",
@@ -67,7 +69,7 @@ def test_missing_meshes_and_locked_joints_are_shown(tmp_path: Path) -> None:
         "arms:\n  arm1: {urdf: small.urdf, tip: fore}\n  arm2: {base: {xyz: [1, 0, 0]}}\n"
     )
     report = describe(Cell.load(file))
-    shown = report.as_text()
+    shown = text_of(report)
     assert report.collision.free_share is None
     assert "clearance is unknown: bodies are missing" in shown
     assert "arm1/upper: no such file: none.stl" in shown

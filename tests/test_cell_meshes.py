@@ -9,11 +9,11 @@ import numpy as np
 import pytest
 from robot_table import needs_robots
 
-from dualarm_pin.meshes.load import load_mesh
-from dualarm_pin.meshes.formats.obj import read_mesh
-from dualarm_pin.robot.packages import robot_data_share
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.meshes.formats import read_mesh
+from dualarm_pin.meshes.load import load_mesh
+from dualarm_pin.robot.packages import robot_data_share
 
 UNIT = (1.0, 1.0, 1.0)
 REAL = [

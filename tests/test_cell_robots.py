@@ -9,9 +9,9 @@ from robot_table import NAMES, SINGLE, TWIN, arguments, needs_robots
 from test_relative import derivative_difference, difference
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.robot.packages import find_file, robot_data_share
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.relative import Relative
+from dualarm_pin.robot.packages import find_file, robot_data_share
 
 pytestmark = needs_robots
 BASE2 = pin.SE3(pin.rpy.rpyToMatrix(0.1, -0.2, 3.0), np.array([1.2, 0.3, 0.1]))
@@ -47,7 +47,7 @@ def original_q(
 ) -> np.ndarray:
     """Return the same posture in the original model, joint by joint."""
     placed = cell._robots[robot]
-    values = dict(placed.settled.values)
+    values = dict(placed.roles.values)
     values |= {
         name.partition("/")[2]: value
         for name, value in zip(cell.joint_names, q, strict=True)
@@ -78,7 +78,7 @@ def test_every_link_stands_where_pinocchio_puts_it(name: str) -> None:
         pin.framesForwardKinematics(model, theirs, original_q(model, cell, q, number, arms))
         base = BASE2 if number else pin.SE3.Identity()
         placed = cell._robots[number]
-        for link, frame in placed.frames().items():
+        for link, frame in placed.frames.items():
             ours = data.oMf[cell.model.getFrameId(frame, pin.FrameType.BODY)]
             there = base * theirs.oMf[model.getFrameId(link, pin.FrameType.BODY)]
             np.testing.assert_allclose(ours.homogeneous, there.homogeneous, atol=1e-12)

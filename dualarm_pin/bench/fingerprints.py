@@ -9,12 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from dualarm_pin.bench.run import Inputs, digest
-from dualarm_pin.cell.python_arguments import cell_from_source
-from dualarm_pin.robot.packages import find_file
+from dualarm_pin.cell import Cell
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.cell_spec import CellSpec
 from dualarm_pin.files.source import Key, Source, check, plain
 from dualarm_pin.files.task_spec import TaskSpec, read_task
+from dualarm_pin.robot.packages import find_file
 
 _NAMES_FILES = ("urdf", "srdf", "xacro", "package_dirs", "tip", "group")
 _PATH_FILES = ("csv", "gcode", "apt")
@@ -75,7 +75,7 @@ def _at(cell: Source, keys: Sequence[Key]) -> Any:
 
 def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
     """Return the sha256 of URDFs, SRDFs and collision meshes."""
-    loaded = cell_from_source(cell, keys)
+    loaded = Cell.from_source(cell, keys)
     found = {s.path: s.sha256 for s in loaded.sources if s.path != cell.path.resolve()}
     folder = cell.path.resolve().parent
     extra = [folder / entry for entry in _at(cell, keys).get("package_dirs") or ()]

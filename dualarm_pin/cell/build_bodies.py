@@ -1,4 +1,4 @@
-"""Bodies of a cell for Pinocchio and Coal; what cannot be loaded is listed, never fatal."""
+"""Build bodies for Pinocchio and Coal; what cannot be loaded is listed, never fatal."""
 
 from __future__ import annotations
 
@@ -11,11 +11,12 @@ import coal
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.merged_urdf import Placed, pose_of
+from dualarm_pin.cell.placed_robot import PlacedRobot
+from dualarm_pin.cell.poses import pose_of
+from dualarm_pin.errors import DualArmError
 from dualarm_pin.meshes.load import load_mesh
 from dualarm_pin.robot.packages import find_file
 from dualarm_pin.robot.robot import Shape
-from dualarm_pin.errors import DualArmError
 
 
 @dataclass(frozen=True)
@@ -35,7 +36,7 @@ class Bodies:
 
 def build_bodies(
     model: pin.Model,
-    robots: Sequence[Placed],
+    robots: Sequence[PlacedRobot],
     kind: Literal["visual", "collision"],
     package_dirs: Sequence[Path],
     hulls: bool = False,
@@ -45,7 +46,7 @@ def build_bodies(
     links: list[str] = []
     missing: dict[str, None] = {}
     for placed in robots:
-        frames = placed.frames()
+        frames = placed.frames
         robot = placed.chains.robot
         for link in robot.links.values():
             missing |= dict.fromkeys(

@@ -5,7 +5,7 @@ from __future__ import annotations
 import threading
 import weakref
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,14 +14,17 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
+from dualarm_pin.cell.assemble import assemble
+from dualarm_pin.cell.bodies import CellBodies, MovedBodies
 from dualarm_pin.cell.clearance import smallest
-from dualarm_pin.cell.merged_urdf import Placed
-from dualarm_pin.cell.build_bodies import Bodies, build_bodies
-from dualarm_pin.cell.parts import Arm, Clearance, Joint, SourceFile
-from dualarm_pin.cell.pairs import add_pairs
-from dualarm_pin.errors import ShapeError
-
-Pair = tuple[float, float]
+from dualarm_pin.cell.moved import base_moves, moved_model, moved_robot
+from dualarm_pin.cell.parts import ARMS, Arm, Clearance, Joint, SourceFile, read_only
+from dualarm_pin.cell.placed_robot import PlacedRobot
+from dualarm_pin.cell.poses import checked_pose
+from dualarm_pin.cell.python_arguments import spec_from_python
+from dualarm_pin.cell.read_robots import Loader
+from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.files.source import Key, Source, read_yaml
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -57,12 +60,13 @@ class Cell:
     warnings: tuple[str, ...]
     sources: tuple[SourceFile, ...]
     tool_axes: tuple[NDArray[np.float64], NDArray[np.float64]]
-    _robots: tuple[Placed, ...]
+    _robots: tuple[PlacedRobot, ...]
     _disabled: Mapping[int, frozenset[frozenset[str]]]
     _package_dirs: tuple[Path, ...]
+    _loaded: Cell | None = None  # what a moved cell was before
 
-    @staticmethod
-    def load(file: str | Path) -> Cell:
+    @classmethod
+    def load(cls, file: str | Path) -> Cell:
         """Load a cell file.
 
         Raises:
@@ -70,12 +74,24 @@ class Cell:
             InputError: Something in it is wrong; the message says where and what is allowed.
             MissingExtraError: It needs a library that is not installed.
         """
-        from dualarm_pin.cell.python_arguments import load_cell  # entry makes cells
+        return cls.from_source(read_yaml(file))
 
-        return load_cell(Path(file))
+    @classmethod
+    def from_source(cls, source: Source, keys: Sequence[Key] = ()) -> Cell:
+        """Build the cell that stands in a file that was read.
 
-    @staticmethod
+        Args:
+            source: A cell file, or a task file with the cell inside.
+            keys: Where in the file the cell stands.
+
+        Raises:
+            InputError: As for `load`.
+        """
+        return cls(**vars(assemble(Loader.of_file(source, keys))))
+
+    @classmethod
     def from_urdf(
+        cls,
         urdf1: str | Path,
         urdf2: str | Path | None = None,
         *,
@@ -83,7 +99,7 @@ class Cell:
         base2: pin.SE3 | None = None,
         tips: tuple[str, str] = ("flange", "flange"),
         tools: tuple[pin.SE3 | None, pin.SE3 | None] = (None, None),
-        limits: Mapping[str, Pair] | None = None,
+        limits: Mapping[str, tuple[float, float]] | None = None,
         lock: Mapping[str, float] | None = None,
         free: Sequence[str] = (),
         srdf: str | Path | tuple[str | Path | None, str | Path | None] | None = None,
@@ -110,10 +126,42 @@ class Cell:
             MissingFileError: A file does not exist.
             InputError: Something is wrong; the message says where and what is allowed.
         """
-        from dualarm_pin.cell.python_arguments import cell_from_urdf  # entry makes cells
+        spec = spec_from_python(
+            urdf1, urdf2, base1, base2, tips, tools, limits, lock, free, srdf, package_dirs
+        )
+        return cls(**vars(assemble(Loader.of_python(spec, name or Path(urdf1).stem))))
 
-        return cell_from_urdf(
-            urdf1, urdf2, base1, base2, tips, tools, limits, lock, free, srdf, package_dirs, name
+    def moved(self, *, base1: pin.SE3 | None = None, base2: pin.SE3 | None = None) -> Cell:
+        """Return this cell with its bases elsewhere; no file is read, and bodies are shared.
+
+        Args:
+            base1: Pose of the root link of arm1 in the cell; where it stands if None.
+            base2: The same for arm2.
+
+        Raises:
+            ShapeError: A base is no `pin.SE3`.
+            InputError: It is not finite, or one URDF holds both arms: they have no base to move.
+        """
+        bases = {arm.name: arm.base for arm in self.arms}
+        for arm, field, base in zip(ARMS, ("base1", "base2"), (base1, base2), strict=True):
+            if base is None:
+                continue
+            if any(len(robot.chains.tips) > 1 for robot in self._robots):
+                raise InputError(
+                    f"one URDF holds both arms of {self.name}: neither has a base to move; give "
+                    "each arm a URDF of its own",
+                    field=field,
+                )
+            bases[arm] = checked_pose(base, field)
+        loaded = self._loaded or self  # moves start from what was loaded: nothing adds up
+        first, second = (replace(arm, base=bases[arm.name]) for arm in loaded.arms)
+        moves = base_moves(loaded.arms, (first, second))
+        return replace(
+            loaded,
+            model=moved_model(loaded.model, loaded._robots, moves),
+            arms=(first, second),
+            _robots=tuple(moved_robot(robot, bases) for robot in loaded._robots),
+            _loaded=loaded,
         )
 
     def __repr__(self) -> str:
@@ -145,8 +193,13 @@ class Cell:
         return {
             placed.joint(name): value
             for placed in self._robots
-            for name, value in placed.settled.values.items()
+            for name, value in placed.roles.values.items()
         }
+
+    @property
+    def links_without_inertia(self) -> tuple[str, ...]:
+        """Moving links, `arm1/<link>`, whose mass no URDF states; plain frames are not counted."""
+        return tuple(link for placed in self._robots for link in placed.links_without_inertia())
 
     @cached_property
     def same_order(self) -> bool:
@@ -168,27 +221,27 @@ class Cell:
     @property
     def collision(self) -> pin.GeometryModel:
         """Convex hulls and primitives, with the pairs to check."""
-        return self._bodies[0].model
+        return self._bodies.hulls.model
 
-    @cached_property
+    @property
     def visual(self) -> pin.GeometryModel:
         """Bodies for the eye."""
-        return self._visual_bodies.model
+        return self._bodies.visual.model
 
     @property
     def missing_meshes(self) -> tuple[str, ...]:
         """Collision bodies that could not be loaded, and why; clearance is then unknown."""
-        return self._bodies[0].missing
+        return self._bodies.hulls.missing
 
     @property
     def missing_visuals(self) -> tuple[str, ...]:
         """Bodies for the eye that could not be loaded, and why."""
-        return self._visual_bodies.missing
+        return self._bodies.visual.missing
 
     @property
     def dropped_pairs(self) -> tuple[str, ...]:
         """Pairs that are not checked because they touch in nearly every posture."""
-        return self._bodies[1]
+        return self._bodies.dropped
 
     def clearance(
         self, q: ArrayLike, *, between_arms: bool = False, exact: bool = False
@@ -207,10 +260,10 @@ class Cell:
             ShapeError: q does not have n values.
         """
         q = self.model_q(q)
-        hulls = self._bodies[0]
+        hulls = self._bodies.hulls
         if hulls.missing:
             return None
-        meshes = self._meshes if exact else None
+        meshes = self._bodies.meshes if exact else None
         return smallest(self.model, hulls, q, _scratch_of(self), between_arms, meshes)
 
     def data(self) -> pin.Data:
@@ -218,23 +271,15 @@ class Cell:
         return _scratch_of(self)["data"]
 
     @cached_property
-    def _bodies(self) -> tuple[Bodies, tuple[str, ...]]:
-        bodies = build_bodies(self.model, self._robots, "collision", self._package_dirs, True)
+    def _bodies(self) -> CellBodies | MovedBodies:
+        if self._loaded is not None:
+            bodies = self._loaded._bodies
+            assert isinstance(bodies, CellBodies)  # a loaded cell never moved itself
+            return MovedBodies(bodies, base_moves(self._loaded.arms, self.arms))
         # The same postures on every machine: which pairs are dropped must not depend on luck.
         draw = np.random.default_rng(0).uniform(self.lower, self.upper, (100, self.n))
-        q = draw @ self.joint_map.T + self.joint_offset
-        return bodies, add_pairs(self.model, bodies, self._robots, self._disabled, q)
-
-    @cached_property
-    def _meshes(self) -> Bodies:
-        bodies = build_bodies(self.model, self._robots, "collision", self._package_dirs)
-        for pair in self.collision.collisionPairs:
-            bodies.model.addCollisionPair(pair)
-        return bodies
-
-    @cached_property
-    def _visual_bodies(self) -> Bodies:
-        return build_bodies(self.model, self._robots, "visual", self._package_dirs)
+        postures = draw @ self.joint_map.T + self.joint_offset
+        return CellBodies(self.model, self._robots, self._disabled, self._package_dirs, postures)
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave the bodies behind: a worker loads them when it needs them."""
@@ -252,10 +297,3 @@ def _scratch_of(cell: Cell) -> dict[str, Any]:
             _THREAD.of = weakref.WeakKeyDictionary()
         scratch = _THREAD.of[cell] = {"data": cell.model.createData()}
     return scratch
-
-
-def read_only(values: ArrayLike) -> NDArray[np.float64]:
-    """Return a copy that cannot be written."""
-    array = np.array(values, dtype=float)
-    array.setflags(write=False)
-    return array

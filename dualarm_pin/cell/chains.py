@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from dualarm_pin.cell.parts import Owner
-from dualarm_pin.robot.robot import Robot, UrdfJoint
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
+from dualarm_pin.robot.robot import Robot, UrdfJoint
 
 
 @dataclass(frozen=True)

@@ -4,114 +4,20 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from dataclasses import asdict, dataclass
-from typing import Any
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import NDArray
 
 from dualarm_pin.cell.cell import Cell
-from dualarm_pin.cell.parts import Arm, Joint
+from dualarm_pin.cell.parts import Arm
+from dualarm_pin.cell.report import ArmReport, CellReport, CollisionReport
+from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
 _POSTURES = 50
 _REACH_SAMPLES = 1000
 _DEG = 180.0 / math.pi
-
-
-@dataclass(frozen=True)
-class ArmReport:
-    """One arm as understood.
-
-    Attributes:
-        name: `arm1` or `arm2`.
-        urdf: Its file, or None for a frame that stands still.
-        root: Root link.
-        tip: Link that carries the tool.
-        joints: Number of its own joints in q.
-        base_xyz: Position of the root link in the cell [m].
-        base_rpy_deg: Its roll, pitch and yaw [deg].
-        tool_xyz: Position of the tool frame in the tip [m].
-        tool_rpy_deg: Its roll, pitch and yaw [deg].
-        tool_axis: Direction of the tool in the axes of the tip.
-        reach: Largest distance of the tool frame from the origin of the first joint [m], over
-            random postures; None without joints.
-    """
-
-    name: str
-    urdf: str | None
-    root: str
-    tip: str
-    joints: int
-    base_xyz: tuple[float, ...]
-    base_rpy_deg: tuple[float, ...]
-    tool_xyz: tuple[float, ...]
-    tool_rpy_deg: tuple[float, ...]
-    tool_axis: tuple[float, ...]
-    reach: float | None
-
-
-@dataclass(frozen=True)
-class CollisionReport:
-    """The bodies as understood.
-
-    Attributes:
-        known: Whether clearance can be computed.
-        bodies: Number of convex bodies.
-        pairs: Number of pairs that are checked.
-        dropped: Pairs that are not, because they touch in nearly every posture.
-        missing: Bodies that could not be loaded.
-        free_share: Share of random postures without collision, or None.
-    """
-
-    known: bool
-    bodies: int
-    pairs: int
-    dropped: tuple[str, ...]
-    missing: tuple[str, ...]
-    free_share: float | None
-
-
-@dataclass(frozen=True)
-class CellReport:
-    """A cell as understood.
-
-    Attributes:
-        name: Name of the cell.
-        arms: The two arms.
-        joints: The columns of q.
-        locked: Joints that stand still: `arm1/<name>` to value [rad or m].
-        ranks: Rank of J_r to the share of random postures that have it.
-        smallest_singular_value: Median of the sixth singular value of J_r over them.
-        postures: Number of random postures.
-        collision: The bodies and their pairs.
-        warnings: What is odd, though it works.
-        sources: File to SHA-256.
-    """
-
-    name: str
-    arms: tuple[ArmReport, ArmReport]
-    joints: tuple[Joint, ...]
-    locked: dict[str, float]
-    ranks: dict[int, float]
-    smallest_singular_value: float
-    postures: int
-    collision: CollisionReport
-    warnings: tuple[str, ...]
-    sources: dict[str, str]
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return plain data for JSON; angles of joints in rad, poses as the names say."""
-        data = asdict(self)
-        data["ranks"] = {str(rank): share for rank, share in self.ranks.items()}
-        return data
-
-    def as_text(self) -> str:
-        """Return a plain table for people; angles in degrees."""
-        from dualarm_pin.cell.report_text import text_of
-
-        return text_of(self)
 
 
 def describe(cell: Cell, seed: int = 0) -> CellReport:
@@ -121,8 +27,6 @@ def describe(cell: Cell, seed: int = 0) -> CellReport:
         cell: The cell.
         seed: Of the random postures.
     """
-    from dualarm_pin.relative import Relative
-
     rng = np.random.default_rng(np.random.SeedSequence(seed))
     postures = rng.uniform(cell.lower, cell.upper, (_POSTURES, cell.n))
     values = [np.linalg.svd(Relative(cell, q).J_r, compute_uv=False) for q in postures]
@@ -137,6 +41,7 @@ def describe(cell: Cell, seed: int = 0) -> CellReport:
         smallest_singular_value=float(np.median([s[5] if len(s) > 5 else 0.0 for s in values])),
         postures=_POSTURES,
         collision=_collision(cell, postures),
+        links_without_inertia=cell.links_without_inertia,
         warnings=cell.warnings,
         sources={str(source.path): source.sha256 for source in cell.sources},
     )

@@ -1,84 +1,106 @@
-"""Decide for every joint of a URDF: a column of q, a follower of one, or locked at a value."""
+"""The role of every joint of a URDF: a column of q, a follower of one, or locked at a value."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
-from dualarm_pin.cell.joint_settings import Asked, Blame
 from dualarm_pin.cell.chains import Chains
+from dualarm_pin.cell.joint_limits import column, narrowed, span
+from dualarm_pin.cell.joint_settings import Blame, Settings
 from dualarm_pin.cell.parts import Joint, Owner
-from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.errors import InputError
+from dualarm_pin.robot.robot import UrdfJoint
 
-TURN = 2.0 * math.pi
-_FAR = 1000.0  # a bound beyond this [rad or m] means "none"
+
+class Follower(NamedTuple):
+    """A mimic joint of a column: value = multiplier * value of `leader` + offset."""
+
+    leader: str
+    multiplier: float
+    offset: float
 
 
 @dataclass
-class Settled:
-    """The joints of one URDF after the decision.
+class Roles:
+    """What each joint of one URDF does in the cell.
 
     Attributes:
         columns: Joints of q by plain name, arm1, arm2, common; each base to tip.
-        followers: Mimic joint to (leading joint, multiplier, offset).
+        followers: Mimic joints of columns.
         values: Where every other moving joint stands [rad or m].
         warnings: What a user should know.
     """
 
     columns: dict[str, Joint] = field(default_factory=dict)
-    followers: dict[str, tuple[str, float, float]] = field(default_factory=dict)
+    followers: dict[str, Follower] = field(default_factory=dict)
     values: dict[str, float] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
 
 
-def settle(chains: Chains, asked: Asked, free: Iterable[str], blame: Blame) -> Settled:
+def roles_of(chains: Chains, settings: Settings, free: Iterable[str], blame: Blame) -> Roles:
     """Sort the joints of one URDF.
 
     Args:
         chains: The URDF and its chains.
-        asked: What the cell file says about its joints.
+        settings: What the cell file says about its joints.
         free: Common joints that may move.
         blame: Makes an error from a message and the keys at fault.
 
     Raises:
-        InputError: A joint of a chain has no usable bounds, or a lock value is outside them.
+        InputError: A joint of a chain has no usable bounds, or a lock value is outside them, or
+            the cell file limits a joint that is locked.
     """
-    out = Settled()
+    out = Roles()
     robot = chains.robot
     free = set(free)
     live: dict[str, Owner] = {}
     for owner in ("arm1", "arm2", "common"):
         for joint in chains.moving.get(owner, ()):
-            if joint.name not in asked.lock and (owner != "common" or joint.name in free):
+            if joint.name not in settings.lock and (owner != "common" or joint.name in free):
                 live[joint.name] = owner
     for name in robot.joints:
-        _leader(chains, asked, name, live, out)
+        _leader(chains, settings, name, live, out)
     for name, owner in live.items():
         if robot.joints[name].mimic is None:
-            out.columns[name] = _column(chains, robot.joints[name], owner, asked, blame, out)
-    for name in list(out.followers):
-        _narrow(chains, name, out)
+            out.columns[name], odd = column(robot.joints[name], owner, settings, blame, robot.file)
+            out.warnings += odd
+    for name, (leader, multiplier, offset) in out.followers.items():
+        out.columns[leader], odd = narrowed(
+            out.columns[leader], robot.joints[name], (multiplier, offset), settings, robot.file
+        )
+        out.warnings += odd
     for joint in robot.joints.values():
         if joint.moves and joint.name not in out.columns and joint.name not in out.followers:
-            out.values[joint.name] = _locked(chains, joint, asked, blame)
-    for name in asked.bounds:
-        if name not in out.columns:
-            reason = "follows another joint" if name in out.followers else "is locked"
-            raise blame(
-                f"joint {name!r} {reason}: bounds are for the joints of the two chains "
-                f"({', '.join(out.columns) or 'none'})",
-                asked.place["limits", name],
-            )
+            out.values[joint.name] = _locked(chains, joint, settings, blame)
+    _refuse_idle_settings(settings, out, blame)
     return out
 
 
-def _leader(chains: Chains, asked: Asked, name: str, live: dict[str, Owner], out: Settled) -> None:
+def _refuse_idle_settings(settings: Settings, out: Roles, blame: Blame) -> None:
+    chains = f"the joints of the two chains ({', '.join(out.columns) or 'none'})"
+    # A follower may have limits of motion: they bind the joint that leads it.
+    for word, what, names, allowed in (
+        ("limits", "bounds", settings.bounds, out.columns),
+        ("velocity", "speeds", settings.velocity, out.columns | out.followers),
+        ("acceleration", "accelerations", settings.acceleration, out.columns | out.followers),
+    ):
+        for name in names:
+            if name not in allowed:
+                reason = "follows another joint" if name in out.followers else "is locked"
+                message = f"joint {name!r} {reason}: {what} are for {chains}"
+                raise blame(message, settings.place[word, name])
+
+
+def _leader(
+    chains: Chains, settings: Settings, name: str, live: Mapping[str, Owner], out: Roles
+) -> None:
     """Record a mimic joint as follower if the joint at the end of its mimics is a column."""
     joints = chains.robot.joints
     multiplier, offset, leader = 1.0, 0.0, name
-    while (mimic := joints[leader].mimic) is not None and leader not in asked.lock:
+    while (mimic := joints[leader].mimic) is not None and leader not in settings.lock:
         if mimic.joint not in joints:
             if name in live:
                 raise InputError(
@@ -91,114 +113,29 @@ def _leader(chains: Chains, asked: Asked, name: str, live: dict[str, Owner], out
         offset += multiplier * mimic.offset
         multiplier *= mimic.multiplier
         leader = mimic.joint
-    if leader != name and leader in live and leader not in asked.lock and joints[name].moves:
-        out.followers[name] = (leader, multiplier, offset)
+    if leader != name and leader in live and leader not in settings.lock and joints[name].moves:
+        out.followers[name] = Follower(leader, multiplier, offset)
     elif leader != name and name in live:
         out.warnings.append(
             f"{live[name]}/{name} mimics {leader!r}, which is locked: it is locked too"
         )
 
 
-def _column(
-    chains: Chains, joint: UrdfJoint, owner: Owner, asked: Asked, blame: Blame, out: Settled
-) -> Joint:
-    name = f"{owner}/{joint.name}"
-    own, endless = _own_bounds(joint)
-    if endless and joint.kind != "continuous":
-        out.warnings.append(f"{name}: its bounds are absurdly wide; it is taken as continuous")
-    given = asked.bounds.get(joint.name)
-    if given is not None:
-        if max(-given[0], given[1]) > _FAR:
-            raise blame("these bounds are absurdly wide", asked.place["limits", joint.name])
-        if own is None:
-            out.warnings.append(f"{name}: no usable bounds in the URDF; those of the cell are used")
-        elif not endless and (given[0] < own[0] - 1e-9 or given[1] > own[1] + 1e-9):
-            out.warnings.append(
-                f"{name}: bounds {_span(given, joint)} are wider than those of the URDF, "
-                f"{_span(own, joint)}"
-            )
-    bounds = given or own
-    if bounds is None or not bounds[0] < bounds[1]:
-        unit = "limits" if joint.kind == "prismatic" else "limits_deg"
-        what = "usable bounds" if bounds is None else f"range: lower = upper = {bounds[0]:g}"
-        raise InputError(
-            f"has no {what}; correct <limit lower= upper=>, or give `{unit}` or `lock` for it in "
-            "the cell file",
-            file=chains.robot.file,
-            line=joint.line,
-            field=f"joint {joint.name!r}",
-        )
-    velocity = asked.velocity.get(joint.name, joint.velocity)
-    return Joint(
-        name,
-        owner,
-        "prismatic" if joint.kind == "prismatic" else "revolute",
-        endless,
-        bounds[0],
-        bounds[1],
-        velocity,
-    )
-
-
-def _own_bounds(joint: UrdfJoint) -> tuple[tuple[float, float] | None, bool]:
-    """Return the usable bounds of the URDF, if any, and whether the joint turns endlessly."""
-    if joint.kind == "continuous":
-        return (-TURN, TURN), True
-    if joint.lower is None or joint.upper is None:
-        return None, False
-    if max(-joint.lower, joint.upper) <= _FAR:
-        return (joint.lower, joint.upper), False
-    return ((-TURN, TURN), True) if joint.kind == "revolute" else (None, False)
-
-
-def _narrow(chains: Chains, name: str, out: Settled) -> None:
-    """Narrow the bounds of a leading joint so that its follower stays within its own."""
-    leader, multiplier, offset = out.followers[name]
-    joint, column = chains.robot.joints[name], out.columns[leader]
-    if (
-        joint.lower is None
-        or joint.upper is None
-        or not multiplier
-        or not joint.lower < joint.upper
-    ):
-        return
-    ends = sorted((bound - offset) / multiplier for bound in (joint.lower, joint.upper))
-    lower, upper = max(column.lower, ends[0]), min(column.upper, ends[1])
-    if (lower, upper) == (column.lower, column.upper):
-        return
-    if not lower < upper:
-        raise InputError(
-            f"its bounds leave no range to joint {leader!r}, which it mimics",
-            file=chains.robot.file,
-            line=joint.line,
-            field=f"joint {name!r}",
-        )
-    out.columns[leader] = Joint(
-        column.name, column.arm, column.kind, False, lower, upper, column.velocity
-    )
-    out.warnings.append(f"{column.name}: narrowed so that {name!r}, which follows it, stays inside")
-
-
-def _locked(chains: Chains, joint: UrdfJoint, asked: Asked, blame: Blame) -> float:
+def _locked(chains: Chains, joint: UrdfJoint, settings: Settings, blame: Blame) -> float:
     """Return where a locked joint stands: as asked, as mimicked, or nearest to 0 in its bounds."""
     lower = -math.inf if joint.lower is None else joint.lower
     upper = math.inf if joint.upper is None else joint.upper
-    if joint.name in asked.lock:
-        value = asked.lock[joint.name]
+    if joint.name in settings.lock:
+        value = settings.lock[joint.name]
         if not lower - 1e-9 <= value <= upper + 1e-9:
             raise blame(
                 f"joint {joint.name!r} cannot be locked at {value:g}: its bounds are "
-                f"{_span((lower, upper), joint)}",
-                asked.place["lock", joint.name],
+                f"{span((lower, upper), joint)}",
+                settings.place["lock", joint.name],
             )
         return value
     joints = chains.robot.joints
     if joint.mimic is not None and joint.mimic.joint in joints and joints[joint.mimic.joint].moves:
-        leader = _locked(chains, joints[joint.mimic.joint], asked, blame)
+        leader = _locked(chains, joints[joint.mimic.joint], settings, blame)
         return joint.mimic.multiplier * leader + joint.mimic.offset
     return min(max(0.0, lower), upper)
-
-
-def _span(bounds: tuple[float, float], joint: UrdfJoint) -> str:
-    scale, unit = (1.0, "m") if joint.kind == "prismatic" else (180.0 / math.pi, "deg")
-    return f"{bounds[0] * scale:.6g}..{bounds[1] * scale:.6g} {unit}"

@@ -7,37 +7,41 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from dualarm_pin.cell.chains import Chains
-from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.files.cell_spec import CellSpec, JointSettings
+from dualarm_pin.robot.robot import UrdfJoint
 
 Blame = Callable[[str, Sequence[str]], InputError]
 _DEG = math.pi / 180.0
+# word: key of the cell file to its unit in rad or m
 _WORDS = {
-    "limits": "limits_deg",
-    "velocity": "velocity_deg",
-    "lock": "lock_deg",
+    "limits": {"limits": 1.0, "limits_deg": _DEG},
+    "velocity": {"velocity": 1.0, "velocity_deg": _DEG},
+    "acceleration": {"acceleration": 1.0, "acceleration_deg_s2": _DEG},
+    "lock": {"lock": 1.0, "lock_deg": _DEG},
 }
 
 
 @dataclass
-class Asked:
+class Settings:
     """Settings of the joints of one URDF, in SI units, by plain joint name.
 
     Attributes:
         bounds: Lower and upper [rad or m].
         velocity: Largest speed [rad/s or m/s].
+        acceleration: Largest acceleration [rad/s^2 or m/s^2].
         lock: Value at which to lock [rad or m].
         place: Where in the cell file each (word, joint) stands.
     """
 
     bounds: dict[str, tuple[float, float]] = field(default_factory=dict)
     velocity: dict[str, float] = field(default_factory=dict)
+    acceleration: dict[str, float] = field(default_factory=dict)
     lock: dict[str, float] = field(default_factory=dict)
     place: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
 
 
-def gather(robots: Mapping[str, Chains], spec: CellSpec, blame: Blame) -> dict[str, Asked]:
+def settings_of(robots: Mapping[str, Chains], spec: CellSpec, blame: Blame) -> dict[str, Settings]:
     """Return the settings for each robot.
 
     Args:
@@ -48,22 +52,26 @@ def gather(robots: Mapping[str, Chains], spec: CellSpec, blame: Blame) -> dict[s
     Raises:
         InputError: A joint does not exist, is fixed, or is given degrees though it is prismatic.
     """
-    asked = {name: Asked() for name in robots}
+    found = {name: Settings() for name in robots}
     levels: list[tuple[tuple[str, ...], JointSettings, dict[str, Chains]]] = [
         ((), spec, dict(robots)),
         (("arms", "arm1"), spec.arms.arm1, _of(robots, "arm1")),
         (("arms", "arm2"), spec.arms.arm2, _of(robots, "arm2")),
     ]
-    for keys, settings, within in levels:
-        for word, word_deg in _WORDS.items():
-            for key in (word, word_deg):
-                for name, value in getattr(settings, key).items():
+    for keys, level, within in levels:
+        for word, units in _WORDS.items():
+            for key, unit in units.items():
+                for name, value in getattr(level, key).items():
                     place = (*keys, key, name)
-                    for robot, joint in _find(within, name, place, blame):
+                    for robot, joint in find_joints(within, name, place, blame):
                         _refuse_stranger(robots[robot], joint, keys, place, blame)
-                        si = _si(value, joint, key == word_deg, place, blame)
-                        _store(asked[robot], word, joint.name, si, place, blame)
-    return asked
+                        si = _si(value, joint, word, unit, place, blame)
+                        _store(found[robot], word, joint.name, si, place, blame)
+    return found
+
+
+def _of(robots: Mapping[str, Chains], arm: str) -> dict[str, Chains]:
+    return {key: chains for key, chains in robots.items() if key in (arm, "both")}
 
 
 def _refuse_stranger(
@@ -82,16 +90,6 @@ def find_joints(
     Raises:
         UnknownNameError: There is none.
     """
-    return _find(robots, name, place, blame)
-
-
-def _of(robots: Mapping[str, Chains], arm: str) -> dict[str, Chains]:
-    return {key: chains for key, chains in robots.items() if key in (arm, "both")}
-
-
-def _find(
-    robots: Mapping[str, Chains], name: str, place: Sequence[str], blame: Blame
-) -> list[tuple[str, UrdfJoint]]:
     found = [
         (key, chains.robot.joints[name])
         for key, chains in robots.items()
@@ -122,32 +120,30 @@ def _find(
 def _si(
     value: float | tuple[float, float],
     joint: UrdfJoint,
-    degrees: bool,
+    word: str,
+    unit: float,
     place: Sequence[str],
     blame: Blame,
 ) -> tuple[float, ...]:
-    if degrees and joint.kind == "prismatic":
-        key = place[-2].removesuffix("_deg")
-        raise blame(f"joint {joint.name!r} is prismatic: give metres under `{key}`", place)
+    if unit != 1.0 and joint.kind == "prismatic":
+        raise blame(f"joint {joint.name!r} is prismatic: give metres under `{word}`", place)
     values = value if isinstance(value, tuple) else (value,)
-    return tuple(number * _DEG for number in values) if degrees else tuple(values)
+    return tuple(number * unit for number in values)
 
 
 def _store(
-    asked: Asked,
+    settings: Settings,
     word: str,
     joint: str,
     si: tuple[float, ...],
     place: tuple[str, ...],
     blame: Blame,
 ) -> None:
-    earlier = asked.place.get((word, joint), ())
+    earlier = settings.place.get((word, joint), ())
     if earlier[:-2] == place[:-2] and earlier != place and earlier:
         raise blame(f"`{earlier[-2]}` says this already: give one of them", place)
-    asked.place[word, joint] = place
+    settings.place[word, joint] = place
     if word == "limits":
-        asked.bounds[joint] = (si[0], si[1])
-    elif word == "velocity":
-        asked.velocity[joint] = si[0]
+        settings.bounds[joint] = (si[0], si[1])
     else:
-        asked.lock[joint] = si[0]
+        getattr(settings, word)[joint] = si[0]

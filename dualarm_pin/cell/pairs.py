@@ -7,8 +7,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.merged_urdf import Placed
 from dualarm_pin.cell.build_bodies import Bodies
+from dualarm_pin.cell.placed_robot import PlacedRobot
 
 _ALWAYS = 0.9  # share of random configurations above which a pair says nothing
 _SAMPLES = 100
@@ -17,7 +17,7 @@ _SAMPLES = 100
 def add_pairs(
     model: pin.Model,
     bodies: Bodies,
-    robots: Sequence[Placed],
+    robots: Sequence[PlacedRobot],
     disabled: Mapping[int, frozenset[frozenset[str]]],
     configurations: np.ndarray,
 ) -> tuple[str, ...]:
@@ -55,20 +55,11 @@ def add_pairs(
 Body = tuple[int, str, frozenset[frozenset[str]]]
 
 
-def _rigid_bodies(robots: Sequence[Placed]) -> dict[str, Body]:
+def _rigid_bodies(robots: Sequence[PlacedRobot]) -> dict[str, Body]:
     """Return for each link its robot, its rigid body, and the neighbouring bodies of that robot."""
     found: dict[str, Body] = {}
     for number, placed in enumerate(robots):
-        robot, settled = placed.chains.robot, placed.settled
-        head: dict[str, str] = {}
-        for link in robot.links:
-            top = link
-            while top in robot.above:
-                joint = robot.above[top]
-                if joint.name in settled.columns or joint.name in settled.followers:
-                    break
-                top = joint.parent
-            head[link] = top
+        robot, head = placed.chains.robot, placed.heads
         touching = frozenset(
             frozenset((head[joint.parent], head[joint.child]))
             for joint in robot.joints.values()
@@ -80,7 +71,7 @@ def _rigid_bodies(robots: Sequence[Placed]) -> dict[str, Body]:
 
 
 def _disabled(
-    robots: Sequence[Placed],
+    robots: Sequence[PlacedRobot],
     disabled: Mapping[int, frozenset[frozenset[str]]],
 ) -> set[frozenset[str]]:
     return {

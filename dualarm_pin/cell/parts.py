@@ -1,4 +1,4 @@
-"""The small nouns of a cell: joints, arms, clearance, files it was read from."""
+"""The parts that a cell is described by: joints, arms, clearance, files it was read from."""
 
 from __future__ import annotations
 
@@ -6,7 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal, NamedTuple
 
+import numpy as np
 import pinocchio as pin
+from numpy.typing import ArrayLike
+
+from dualarm_pin.arrays import Array
 
 Owner = Literal["arm1", "arm2", "common"]
 ARMS: tuple[Literal["arm1"], Literal["arm2"]] = ("arm1", "arm2")
@@ -24,6 +28,8 @@ class Joint:
         lower: Lower bound [rad or m].
         upper: Upper bound [rad or m].
         velocity: Largest speed [rad/s or m/s], or None where it is not known.
+        acceleration: Largest acceleration [rad/s^2 or m/s^2], or None where it is not known.
+        effort: Largest torque or force [N m or N], or None where it is not known.
     """
 
     name: str
@@ -33,6 +39,8 @@ class Joint:
     lower: float
     upper: float
     velocity: float | None
+    acceleration: float | None
+    effort: float | None
 
 
 @dataclass(frozen=True)
@@ -77,3 +85,10 @@ class SourceFile(NamedTuple):
 
     path: Path
     sha256: str
+
+
+def read_only(values: ArrayLike) -> Array:
+    """Return a copy that cannot be written."""
+    array = np.array(values, dtype=float)
+    array.setflags(write=False)
+    return array

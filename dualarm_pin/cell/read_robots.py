@@ -7,27 +7,64 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from dualarm_pin.cell.joint_settings import Blame
 from dualarm_pin.cell.chains import Chains, find_tip, single_chain, twin_chains
+from dualarm_pin.cell.joint_settings import Blame
 from dualarm_pin.cell.parts import ARMS
-from dualarm_pin.robot.packages import find_file
-from dualarm_pin.robot.read_urdf import parse_urdf
-from dualarm_pin.robot.srdf import Srdf, read_srdf
-from dualarm_pin.robot.robot import Robot
-from dualarm_pin.robot.xml import read_bytes
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import CellSpec
+from dualarm_pin.files.source import Key, Source, check
+from dualarm_pin.robot.packages import find_file
+from dualarm_pin.robot.read_urdf import parse_urdf
+from dualarm_pin.robot.robot import Robot
+from dualarm_pin.robot.srdf import Srdf, read_srdf
+from dualarm_pin.robot.xml import read_bytes
 
 
 @dataclass
 class Loader:
-    """What is read on the way: files with fingerprints, warnings, and who is to blame."""
+    """What is read on the way: files with fingerprints, warnings, and who is to blame.
+
+    Attributes:
+        spec: What a cell file holds.
+        name: Name of the cell if the specification has none.
+        folder: Where relative paths start.
+        blame: Makes an error from a message and the keys at fault.
+        sources: Files that were read, with their SHA-256.
+        warnings: What a user should know.
+    """
 
     spec: CellSpec
+    name: str
     folder: Path
     blame: Blame
     sources: dict[Path, str] = field(default_factory=dict)
     warnings: list[str] = field(default_factory=list)
+
+    @staticmethod
+    def of_file(source: Source, keys: Sequence[Key] = ()) -> Loader:
+        """Return the loader of the cell that stands at `keys` of a file.
+
+        Raises:
+            InputError: The file does not hold a cell there.
+        """
+        spec = check(source, CellSpec, keys)
+
+        def blame(message: str, where: Sequence[Key]) -> InputError:
+            return source.error(message, [*keys, *where])
+
+        file = source.path.resolve()
+        loader = Loader(spec, source.path.stem, file.parent, blame)
+        loader.note(file, source.path.read_bytes())
+        return loader
+
+    @staticmethod
+    def of_python(spec: CellSpec, name: str) -> Loader:
+        """Return the loader of a specification that no file holds."""
+
+        def blame(message: str, keys: Sequence[str]) -> InputError:
+            return InputError(message, field=".".join(map(str, keys)) or None)
+
+        return Loader(spec, name, Path.cwd(), blame)
 
     @property
     def package_dirs(self) -> tuple[Path, ...]:

@@ -4,19 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from dualarm_pin.cell.parts import Joint
-
-if TYPE_CHECKING:
-    from dualarm_pin.cell.describe import ArmReport, CellReport
+from dualarm_pin.cell.report import ArmReport, CellReport
 
 _DEG = 180.0 / math.pi
 _SHOWN = 12  # lines of a list that can be very long
 
 
 def text_of(report: CellReport) -> str:
-    """Return what `CellReport.as_text` returns."""
+    """Return a plain table for people; angles in degrees."""
     blocks = [f"Cell {report.name}: {len(report.joints)} joints"]
     blocks += [_arm(arm) for arm in report.arms]
     blocks.append(_joints(report.joints))
@@ -29,6 +26,9 @@ def text_of(report: CellReport) -> str:
         f"(median of the smallest singular value {report.smallest_singular_value:.3g})"
     )
     blocks.append(_collision(report))
+    if report.links_without_inertia:
+        title = f"Links without inertia ({len(report.links_without_inertia)})"
+        blocks.append(_list(title, report.links_without_inertia))
     if report.warnings:
         blocks.append(_list(f"Warnings ({len(report.warnings)})", list(report.warnings)))
     return "\n\n".join(blocks)
@@ -50,15 +50,17 @@ def _arm(arm: ArmReport) -> str:
 
 
 def _joints(joints: Sequence[Joint]) -> str:
-    rows = [("joint", "type", "lower", "upper", "unit", "speed")]
+    rows = [("joint", "type", "lower", "upper", "unit", "speed", "acceleration", "effort")]
     for joint in joints:
         turns = joint.kind == "revolute"
         scale, unit = (_DEG, "deg") if turns else (1.0, "m")
         kind = "continuous" if joint.continuous else joint.kind
-        speed = "unknown" if joint.velocity is None else f"{joint.velocity * scale:.6g} {unit}/s"
         lower, upper = (f"{bound * scale:.6g}" for bound in (joint.lower, joint.upper))
-        rows.append((joint.name, kind, lower, upper, unit, speed))
-    widths = [max(len(row[column]) for row in rows) for column in range(6)]
+        speed = _known(joint.velocity, scale, f"{unit}/s")
+        acceleration = _known(joint.acceleration, scale, f"{unit}/s^2")
+        effort = _known(joint.effort, 1.0, "N m" if turns else "N")
+        rows.append((joint.name, kind, lower, upper, unit, speed, acceleration, effort))
+    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
     lines = []
     for row in rows:
         cells = [
@@ -67,6 +69,10 @@ def _joints(joints: Sequence[Joint]) -> str:
         ]
         lines.append("  ".join(cells).rstrip())
     return "\n".join(lines)
+
+
+def _known(value: float | None, scale: float, unit: str) -> str:
+    return "unknown" if value is None else f"{value * scale:.6g} {unit}"
 
 
 def _collision(report: CellReport) -> str:

@@ -59,15 +59,17 @@ def _check_rotation(R: tuple[Vector, Vector, Vector]) -> None:
 
 
 class JointSettings(Spec):
-    """What may be said about joints, by name: bounds, speed, and values at which to lock.
+    """What may be said about joints, by name: bounds, what motion allows, values at which to lock.
 
-    Degrees are for revolute joints only; without `_deg` the unit is rad or m.
+    Degrees are for revolute joints only; without `_deg` the unit is rad or m, and seconds.
     """
 
     limits: dict[str, Bounds] = Field(default_factory=dict)
     limits_deg: dict[str, Bounds] = Field(default_factory=dict)
     velocity: dict[str, Positive] = Field(default_factory=dict)
     velocity_deg: dict[str, Positive] = Field(default_factory=dict)
+    acceleration: dict[str, Positive] = Field(default_factory=dict)
+    acceleration_deg_s2: dict[str, Positive] = Field(default_factory=dict)
     lock: dict[str, float] = Field(default_factory=dict)
     lock_deg: dict[str, float] = Field(default_factory=dict)
 

@@ -1,1 +1,1 @@
-"""Meshes: load, hull, triangles."""
+"""Meshes: `formats` to read, `load` for Coal, `hull`, `triangles` for the eye."""

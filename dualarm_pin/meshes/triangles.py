@@ -8,9 +8,8 @@ import coal
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.arrays import Array
+from dualarm_pin.arrays import Array, Integers
 
-Faces = NDArray[np.int64]
 _LARGEST = 6_000  # triangles of one mesh; beyond it detail is lost on a screen and pages swell
 _SIDES = 32
 
@@ -26,8 +25,8 @@ class Triangles:
         step: Width of the grid along each axis, shape (3,) [m].
     """
 
-    corners: NDArray[np.int64]
-    faces: Faces
+    corners: Integers
+    faces: Integers
     origin: Array
     step: Array
 
@@ -46,7 +45,7 @@ def triangles_of(body: coal.CollisionGeometry) -> Triangles | None:
     return Triangles(corners, faces, origin, step)
 
 
-def _surface(body: coal.CollisionGeometry) -> tuple[Array, Faces] | None:
+def _surface(body: coal.CollisionGeometry) -> tuple[Array, Integers] | None:
     if isinstance(body, coal.BVHModelBase):
         faces = [body.tri_indices(k) for k in range(body.num_tris)]
         return np.array(body.vertices()), np.array([[t[0], t[1], t[2]] for t in faces])
@@ -66,7 +65,7 @@ def _surface(body: coal.CollisionGeometry) -> tuple[Array, Faces] | None:
     return None
 
 
-def _hull(points: Array) -> tuple[Array, Faces]:
+def _hull(points: Array) -> tuple[Array, Integers]:
     from scipy.spatial import ConvexHull  # half a second that only pictures need
 
     hull = ConvexHull(points, qhull_options="QJ Pp")
@@ -82,7 +81,7 @@ def _ring(radius: float) -> Array:
     return radius * np.column_stack([np.cos(angle), np.sin(angle)])
 
 
-def _capsule(radius: float, half: float) -> tuple[Array, Faces]:
+def _capsule(radius: float, half: float) -> tuple[Array, Integers]:
     tilt = np.linspace(0, np.pi / 2, _SIDES // 4 + 1)[:-1]
     rows = [[0.0, 0.0, -half - radius], [0.0, 0.0, half + radius]]
     for side in (-1, 1):
@@ -93,13 +92,13 @@ def _capsule(radius: float, half: float) -> tuple[Array, Faces]:
     return _hull(np.array(rows))
 
 
-def _weld(corners: NDArray[np.int64], faces: Faces) -> tuple[NDArray[np.int64], Faces]:
+def _weld(corners: Integers, faces: Integers) -> tuple[Integers, Integers]:
     _, first, place = np.unique(_key(corners), return_index=True, return_inverse=True)
     faces = place.reshape(-1)[faces]
     return corners[first], faces[_proper(faces)]
 
 
-def _coarser(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
+def _coarser(vertices: Array, faces: Integers) -> tuple[Array, Integers]:
     """Merge corners that share a cell of an ever coarser grid until few triangles are left."""
     low, size = vertices.min(axis=0), float(np.ptp(vertices, axis=0).max())
     for cells in (256, 192, 128, 96, 64, 48, 32, 24):
@@ -117,12 +116,12 @@ def _coarser(vertices: Array, faces: Faces) -> tuple[Array, Faces]:
     return merged / np.bincount(where)[:, None], kept
 
 
-def _key(rows: NDArray[np.int64]) -> NDArray[np.int64]:
+def _key(rows: Integers) -> Integers:
     """Return one number for each row of three numbers below 2^21: unique rows in no time."""
     return (rows[:, 0] << 42) | (rows[:, 1] << 21) | rows[:, 2]
 
 
-def _proper(faces: Faces) -> NDArray[np.bool_]:
+def _proper(faces: Integers) -> NDArray[np.bool_]:
     a, b, c = faces.T
     proper: NDArray[np.bool_] = (a != b) & (b != c) & (c != a)
     return proper

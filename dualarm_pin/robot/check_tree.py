@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from dualarm_pin.robot.robot import Link, UrdfJoint
 from dualarm_pin.errors import InputError
+from dualarm_pin.robot.robot import Link, UrdfJoint
 
 _DEEPEST = 500  # Pinocchio descends by recursion, and a far deeper tree overflows its stack
 

@@ -52,7 +52,14 @@ def inertial(read: Reader, link: Any, owner: str, warnings: list[str]) -> Inerti
     if mass is None or None in values:
         warnings.append(f"{read.file.name}: {owner}: <inertial> is incomplete and was left out")
         return None
-    return Inertial(mass, xyz, rpy, tuple(value or 0.0 for value in values))
+    moments = tuple(value or 0.0 for value in values)
+    negative = [f"{keys[k]}={moments[k]:g}" for k in (0, 3, 5) if moments[k] < 0]
+    if negative:  # seen in the field (icub)
+        warnings.append(
+            f"{read.file.name}:{child.sourceline}: {owner}: a moment of "
+            f"inertia is negative ({', '.join(negative)}): torques computed with it are wrong"
+        )
+    return Inertial(mass, xyz, rpy, moments)
 
 
 def shapes(read: Reader, link: Any, tag: str, owner: str, unknown: list[str]) -> list[Shape]:

@@ -6,11 +6,11 @@ import math
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.robot.read_link import inertial, material_colour, pose, shapes
+from dualarm_pin.errors import nearest
 from dualarm_pin.robot.check_tree import check_tree
+from dualarm_pin.robot.read_link import inertial, material_colour, pose, shapes
 from dualarm_pin.robot.robot import KINDS, Link, Mimic, Robot, Triple, UrdfJoint
 from dualarm_pin.robot.xml import Reader, parse_xml, read_bytes
-from dualarm_pin.errors import nearest
 
 _DIALECTS = {"sdf": "SDF", "mujoco": "MJCF (MuJoCo)", "COLLADA": "COLLADA", "html": "HTML"}
 
@@ -89,7 +89,7 @@ def _joints(
                 f"a second joint of this name; the first is on line {first}", element, owner
             )
         joints[name] = _joint(read, element, name, links, warnings)
-    # Seen in the field on fingers; refused only where a chain needs it (settle.py).
+    # Seen in the field on fingers; refused only where a chain needs it (cell/joint_roles.py).
     warnings.extend(
         f"{read.file.name}:{joint.line}: joint {joint.name!r} mimics {joint.mimic.joint!r}, "
         f"which does not exist: {nearest(joint.mimic.joint, joints)}"
@@ -109,7 +109,6 @@ def _joint(
         raise read.error(message, element, owner)
     ends = [_end(read, element, side, owner, links) for side in ("parent", "child")]
     xyz, rpy = pose(read, element, owner)
-    lower, upper, velocity = _limit(read, element, kind, owner)
     return UrdfJoint(
         name,
         kind,
@@ -118,9 +117,7 @@ def _joint(
         xyz,
         rpy,
         _axis(read, element, kind, owner),
-        lower,
-        upper,
-        velocity,
+        *_limit(read, element, kind, owner),
         _mimic(read, element, owner),
         element.sourceline,
     )
@@ -153,11 +150,11 @@ def _axis(read: Reader, element: Any, kind: str, owner: str) -> Triple:
 
 def _limit(
     read: Reader, element: Any, kind: str, owner: str
-) -> tuple[float | None, float | None, float | None]:
-    """Return lower, upper and velocity; None where the URDF says nothing."""
+) -> tuple[float | None, float | None, float | None, float | None]:
+    """Return lower, upper, velocity and effort; None where the URDF says nothing."""
     child = read.child(element, "limit")
     if child is None or kind == "fixed":
-        return None, None, None
+        return None, None, None, None
     lower, upper = read.number(child, "lower", owner), read.number(child, "upper", owner)
     effort, velocity = read.number(child, "effort", owner), read.number(child, "velocity", owner)
     for key, value in (("effort", effort), ("velocity", velocity)):
@@ -165,13 +162,13 @@ def _limit(
             message = f"{key}={value:g} is negative; give a magnitude, or 0 for unknown"
             raise read.error(message, child, owner)
     if kind == "continuous":
-        return None, None, velocity or None
+        return None, None, velocity or None, effort or None
     if lower is not None or upper is not None:  # a missing one is 0, as the format says
         lower, upper = lower or 0.0, upper or 0.0
         if lower > upper:
             message = f"lower={lower:g} is above upper={upper:g}: exchange them"
             raise read.error(message, child, owner)
-    return lower, upper, velocity or None
+    return lower, upper, velocity or None, effort or None
 
 
 def _mimic(read: Reader, element: Any, owner: str) -> Mimic | None:

@@ -81,7 +81,8 @@ class UrdfJoint:
         axis: Unit axis in the joint frame.
         lower: Lower bound [rad or m], or None where the URDF gives none.
         upper: Upper bound [rad or m], or None.
-        velocity: Largest speed, or None where it is missing or 0.
+        velocity: Largest speed [rad/s or m/s], or None where it is missing or 0.
+        effort: Largest torque or force [N m or N], or None where it is missing or 0.
         mimic: The joint it follows, or None.
         line: Line in the URDF.
     """
@@ -96,6 +97,7 @@ class UrdfJoint:
     lower: float | None
     upper: float | None
     velocity: float | None
+    effort: float | None
     mimic: Mimic | None
     line: int
 

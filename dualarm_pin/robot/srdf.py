@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.robot.robot import Robot
 from dualarm_pin.robot.xml import Reader, parse_xml, read_bytes
-from dualarm_pin.errors import InputError, UnknownNameError, nearest
 
 
 @dataclass(frozen=True)

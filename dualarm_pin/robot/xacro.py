@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.robot.packages import find_package
 from dualarm_pin.errors import InputError, MissingExtraError
+from dualarm_pin.robot.packages import find_package
 
 
 def expand_xacro(

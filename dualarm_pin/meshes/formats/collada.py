@@ -8,12 +8,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.robot.xml import parse_xml
 
-Array = NDArray[np.float64]
-Part = tuple[Array, NDArray[np.int64]]
+Part = tuple[Array, Integers]
 _MOST = 20_000_000  # corners of all instances together
 
 
@@ -138,7 +137,7 @@ def _positions(names: dict[str, Any], corner: Any) -> Array:
     return _floats(values).reshape(-1, stride)[:, :3]
 
 
-def _fans(indices: NDArray[np.int64], sizes: NDArray[np.int64]) -> NDArray[np.int64]:
+def _fans(indices: Integers, sizes: Integers) -> Integers:
     """Return the triangles (k, 3) of polygons of these sizes, each as a fan."""
     if (sizes < 0).any() or sizes.sum() != len(indices):
         raise ValueError("the polygons of a Collada mesh do not add up")
@@ -153,5 +152,5 @@ def _floats(element: Any) -> Array:
     return np.array((element.text or "").split(), dtype=float)
 
 
-def _integers(element: Any) -> NDArray[np.int64]:
+def _integers(element: Any) -> Integers:
     return np.array((element.text or "").split(), dtype=np.int64)

@@ -1,0 +1,146 @@
+"""Bounds, speed, acceleration and effort of a column of q, narrowed by what follows it."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+
+from dualarm_pin.cell.joint_settings import Blame, Settings
+from dualarm_pin.cell.parts import Joint, Owner
+from dualarm_pin.errors import InputError
+from dualarm_pin.robot.robot import UrdfJoint
+
+TURN = 2.0 * math.pi
+_FAR = 1000.0  # a bound beyond this [rad or m] means "none"
+
+
+def column(
+    joint: UrdfJoint, owner: Owner, settings: Settings, blame: Blame, file: Path
+) -> tuple[Joint, list[str]]:
+    """Return a joint as a column of q, with warnings.
+
+    Args:
+        joint: The joint.
+        owner: Whose it is.
+        settings: What the cell file says about the joints of its URDF.
+        blame: Makes an error from a message and the keys at fault.
+        file: Its URDF.
+
+    Raises:
+        InputError: It has no usable bounds.
+    """
+    name, warnings = f"{owner}/{joint.name}", []
+    own, endless = _own_bounds(joint)
+    if endless and joint.kind != "continuous":
+        warnings.append(f"{name}: its bounds are absurdly wide; it is taken as continuous")
+    given = settings.bounds.get(joint.name)
+    if given is not None:
+        if max(-given[0], given[1]) > _FAR:
+            raise blame("these bounds are absurdly wide", settings.place["limits", joint.name])
+        if own is None:
+            warnings.append(f"{name}: no usable bounds in the URDF; those of the cell are used")
+        elif not endless and (given[0] < own[0] - 1e-9 or given[1] > own[1] + 1e-9):
+            warnings.append(
+                f"{name}: bounds {span(given, joint)} are wider than those of the URDF, "
+                f"{span(own, joint)}"
+            )
+    bounds = given or own
+    if bounds is None or not bounds[0] < bounds[1]:
+        unit = "limits" if joint.kind == "prismatic" else "limits_deg"
+        what = "usable bounds" if bounds is None else f"range: lower = upper = {bounds[0]:g}"
+        raise InputError(
+            f"has no {what}; correct <limit lower= upper=>, or give `{unit}` or `lock` for it in "
+            "the cell file",
+            file=file,
+            line=joint.line,
+            field=f"joint {joint.name!r}",
+        )
+    kept = Joint(
+        name,
+        owner,
+        "prismatic" if joint.kind == "prismatic" else "revolute",
+        endless,
+        bounds[0],
+        bounds[1],
+        settings.velocity.get(joint.name, joint.velocity),
+        settings.acceleration.get(joint.name),
+        joint.effort,
+    )
+    return kept, warnings
+
+
+def _own_bounds(joint: UrdfJoint) -> tuple[tuple[float, float] | None, bool]:
+    """Return the usable bounds of the URDF, if any, and whether the joint turns endlessly."""
+    if joint.kind == "continuous":
+        return (-TURN, TURN), True
+    if joint.lower is None or joint.upper is None:
+        return None, False
+    if max(-joint.lower, joint.upper) <= _FAR:
+        return (joint.lower, joint.upper), False
+    return ((-TURN, TURN), True) if joint.kind == "revolute" else (None, False)
+
+
+def narrowed(
+    leader: Joint,
+    joint: UrdfJoint,
+    factor: tuple[float, float],
+    settings: Settings,
+    file: Path,
+) -> tuple[Joint, list[str]]:
+    """Return a column whose follower keeps its own limits, with warnings.
+
+    Args:
+        leader: The column.
+        joint: The follower: value = multiplier * value of the leader + offset.
+        factor: Multiplier and offset.
+        settings: What the cell file says about the joints of their URDF.
+        file: Their URDF.
+
+    Raises:
+        InputError: The bounds of the follower leave no range.
+    """
+    multiplier, offset = factor
+    if not multiplier:
+        return leader, []
+    warnings = []
+    if joint.lower is not None and joint.upper is not None and joint.lower < joint.upper:
+        ends = sorted((bound - offset) / multiplier for bound in (joint.lower, joint.upper))
+        lower, upper = max(leader.lower, ends[0]), min(leader.upper, ends[1])
+        if not lower < upper:
+            raise InputError(
+                f"its bounds leave no range to joint {leader.name.partition('/')[2]!r}, which it "
+                "mimics",
+                file=file,
+                line=joint.line,
+                field=f"joint {joint.name!r}",
+            )
+        if (lower, upper) != (leader.lower, leader.upper):
+            leader = replace(leader, continuous=False, lower=lower, upper=upper)
+            warnings.append(
+                f"{leader.name}: narrowed so that {joint.name!r}, which follows it, stays inside"
+            )
+    velocity = settings.velocity.get(joint.name, joint.velocity)
+    acceleration = settings.acceleration.get(joint.name)
+    slower = replace(
+        leader,
+        velocity=_least(leader.velocity, velocity, multiplier),
+        acceleration=_least(leader.acceleration, acceleration, multiplier),
+    )
+    if slower != leader:
+        warnings.append(f"{leader.name}: slowed down to what {joint.name!r}, which follows, allows")
+    return slower, warnings
+
+
+def _least(own: float | None, follower: float | None, multiplier: float) -> float | None:
+    """Return the smaller of two limits, the second that of a follower."""
+    if follower is None:
+        return own
+    most = follower / abs(multiplier)
+    return most if own is None else min(own, most)
+
+
+def span(bounds: tuple[float, float], joint: UrdfJoint) -> str:
+    """Return bounds for a message, in degrees or metres."""
+    scale, unit = (1.0, "m") if joint.kind == "prismatic" else (180.0 / math.pi, "deg")
+    return f"{bounds[0] * scale:.6g}..{bounds[1] * scale:.6g} {unit}"
