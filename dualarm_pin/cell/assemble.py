@@ -24,7 +24,7 @@ from dualarm_pin.files.cell_spec import CellSpec
 
 @dataclass(frozen=True, eq=False)
 class CellParts:
-    """The fields of a `Cell`; what they are stands there."""
+    """What a `Cell` holds; see there."""
 
     name: str
     model: pin.Model

@@ -14,12 +14,11 @@ import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from dualarm_pin.cell.assemble import assemble
+from dualarm_pin.cell.assemble import CellParts, assemble
 from dualarm_pin.cell.bodies import CellBodies, MovedBodies
 from dualarm_pin.cell.clearance import smallest
 from dualarm_pin.cell.moved import base_moves, moved_model, moved_robot
-from dualarm_pin.cell.parts import ARMS, Arm, Clearance, Joint, SourceFile, read_only
-from dualarm_pin.cell.placed_robot import PlacedRobot
+from dualarm_pin.cell.parts import ARMS, Clearance, read_only
 from dualarm_pin.cell.poses import checked_pose
 from dualarm_pin.cell.python_arguments import spec_from_python
 from dualarm_pin.cell.read_robots import Loader
@@ -28,7 +27,7 @@ from dualarm_pin.files.source import Key, Source, read_yaml
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Cell:
+class Cell(CellParts):
     """Two arms that share one task, loaded and checked.
 
     Every joint off the two chains stands still, so q holds only what a planner moves: the joints
@@ -49,20 +48,6 @@ class Cell:
         tool_axes: Unit direction of each tool in its tool frame, for reports and pictures.
     """
 
-    name: str
-    model: pin.Model
-    e1: int
-    e2: int
-    joints: tuple[Joint, ...]
-    joint_map: NDArray[np.float64]
-    joint_offset: NDArray[np.float64]
-    arms: tuple[Arm, Arm]
-    warnings: tuple[str, ...]
-    sources: tuple[SourceFile, ...]
-    tool_axes: tuple[NDArray[np.float64], NDArray[np.float64]]
-    _robots: tuple[PlacedRobot, ...]
-    _disabled: Mapping[int, frozenset[frozenset[str]]]
-    _package_dirs: tuple[Path, ...]
     _loaded: Cell | None = None  # what a moved cell was before
 
     @classmethod
