@@ -18,7 +18,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.finish import versions
+from dualarm_pin.answer.provenance import versions
 from dualarm_pin.bench.work.one_run import machine
 from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.files.resources import urdf_folder

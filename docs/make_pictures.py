@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image, ImageDraw
 from playwright.sync_api import Browser, sync_playwright
@@ -20,8 +21,8 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.paper import RANDOM_STARTS, reproduce
 from dualarm_pin.planners import plan_global
-from dualarm_pin.show import Run, plots, write_player
-from dualarm_pin.show.plots.style import DASHES, dress
+from dualarm_pin.show import plots, write_player
+from dualarm_pin.show.plots.style import dress
 from dualarm_pin.task import Task
 
 HERE = Path(__file__).resolve().parent
@@ -59,7 +60,7 @@ def main() -> None:
 def draw_scene(task: Task, best: Trajectory, file: Path) -> None:
     """Draw both robots, the path and the ellipsoids at one place of the path."""
     page_file = HERE / "scene.html"
-    write_player(page_file, task.cell, task.path, [Run("best", best.q, best.index)], title="scene")
+    write_player(page_file, task, {"best": best}, title="scene")
     found = map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))
     chromium = os.environ.get("DUALARM_PIN_CHROMIUM") or next(filter(None, found), None)
     try:
@@ -143,16 +144,8 @@ def draw_plots(starts: int, file: Path) -> None:
     _write(file, Image.open(picture).convert("RGB"))
 
 
-def _curve(ax, trajectory: Trajectory, label: str, k: int) -> None:
-    index = trajectory.index
-    ax.plot(
-        range(1, len(index) + 1),
-        index,
-        lw=2,
-        color=plots.COLOURS[k % 7],
-        ls=DASHES[k % 7],
-        label=f"{label} (mean {index.mean():.2f})",
-    )
+def _curve(ax: Axes, answer: Trajectory, label: str, k: int) -> None:
+    plots.draw_curve(ax, k, f"{label} (mean {answer.mean_index:.2f})", answer, answer.index)
 
 
 def _write(file: Path, picture: Image.Image) -> None:

@@ -7,15 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from dualarm_pin.cell import Cell
 from dualarm_pin.cell.describe import describe
 from dualarm_pin.cell.report import CellReport
 from dualarm_pin.cell.report_text import text_of
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import read_yaml
-from dualarm_pin.path import Path as RelativePath
+from dualarm_pin.files.write import write_bytes
 from dualarm_pin.planners.unreachable import feasible_postures
 from dualarm_pin.search.starts import generator
 from dualarm_pin.task import Task
@@ -52,21 +50,17 @@ class Inspection:
 
     def draw(self, file: Path) -> None:
         """Write a page with the cell, on the path where there is one."""
-        from dualarm_pin.show import Run, write_player
+        from dualarm_pin.show import posture_page
 
-        if isinstance(self.subject, Task):
-            task = self.subject
-            q, _ = _first_posture(task)
-            run = Run("first point", np.tile(q, (task.path.h, 1)), np.zeros(task.path.h))
-            write_player(file, task.cell, task.path, [run], title=task.name)
-            return
-        cell = self.subject
-        q = (cell.lower + cell.upper) / 2.0
-        still = RelativePath(
-            np.repeat([[0.0, 0.0, 0.1], [0.0, 0.01, 0.1]], 1, axis=0), np.eye(3), name=cell.name
-        )
-        run = Run("middle of the bounds", np.tile(q, (2, 1)), np.zeros(2))
-        write_player(file, cell, still, [run], title=cell.name)
+        subject = self.subject
+        if isinstance(subject, Task):
+            q, _ = _first_posture(subject)
+            page = posture_page("first point", subject.cell, q, subject.path)
+        else:
+            page = posture_page(
+                "middle of the bounds", subject, (subject.lower + subject.upper) / 2
+            )
+        write_bytes(file, page)
 
 
 def inspect(file: Path, overrides: Sequence[str] = ()) -> Inspection:

@@ -128,7 +128,7 @@ def write(reproduction: Reproduction, folder: Path) -> list[Path]:
     Returns:
         The files for people: table, figures, animation.
     """
-    from dualarm_pin.show import Run, plots, write_player
+    from dualarm_pin.show import plots, write_player
 
     task, trajectories = reproduction.task, reproduction.trajectories
     text = io.StringIO()
@@ -140,38 +140,33 @@ def write(reproduction: Reproduction, folder: Path) -> list[Path]:
             folder / "results" / label.replace(", ", "-").replace(" ", "-"), task, trajectory
         )
 
-    def curve(label: str, shown: str) -> plots.Curve:
-        t = trajectories[label]
-        return plots.Curve(shown, t.index, t.arc_length)
-
     written = [folder / "table.txt", folder / "table.csv"]
     written += plots.save(plots.figure_path(task.path, task.Gamma), folder / "fig3")
     written += plots.save(
         plots.figure_index(
-            [
-                curve("two-stage", "two-stage"),
-                curve("two-stage, polished", "two-stage, polished"),
-                curve("whole path", "whole path at once"),
-                curve("pseudo-inverse, free", "pseudo-inverse, from the two-stage start"),
-            ],
+            {
+                "two-stage": trajectories["two-stage"],
+                "two-stage, polished": trajectories["two-stage, polished"],
+                "whole path at once": trajectories["whole path"],
+                "pseudo-inverse, from the two-stage start": trajectories["pseudo-inverse, free"],
+            },
             title="Fig. 4: the whole task against step by step",
         ),
         folder / "fig4",
     )
-    random = [label for label in trajectories if "random" in label]
+    random = {label.rsplit(", ", 1)[1]: t for label, t in trajectories.items() if "random" in label}
     written += plots.save(
         plots.figure_index(
-            [
-                curve("pseudo-inverse, free", "from the two-stage method"),
-                curve("pseudo-inverse, free, best first", "from the whole path at once"),
-                *(curve(label, label.rsplit(", ", 1)[1]) for label in random),
-            ],
+            {
+                "from the two-stage method": trajectories["pseudo-inverse, free"],
+                "from the whole path at once": trajectories["pseudo-inverse, free, best first"],
+                **random,
+            },
             title="Fig. 5: pseudo-inverse from several first configurations",
         ),
         folder / "fig5",
     )
-    runs = [Run(label, t.q, t.index) for label, t in trajectories.items()]
-    write_player(folder / "animation.html", task.cell, task.path, runs, title="The paper's task")
+    write_player(folder / "animation.html", task, trajectories, title="The paper's task")
     return [*written, folder / "animation.html"]
 
 

@@ -6,10 +6,19 @@ import pathlib
 import re
 import signal
 import time
+from dataclasses import dataclass
 
 import numpy as np
 
-from dualarm_pin.answer.trajectory import Timing, Trajectory
+from dualarm_pin.answer.provenance import Timing
+from dualarm_pin.answer.trajectory import Checked, Trajectory
+
+
+@dataclass(frozen=True)
+class FakeNotes:
+    """Which process answered."""
+
+    pid: int
 
 
 def quick(task, seed, cost=1.0, seconds=0.0, busy=0.0):
@@ -24,20 +33,23 @@ def quick(task, seed, cost=1.0, seconds=0.0, busy=0.0):
         q=np.full((h, n), 0.01 * seed),
         joints=task.cell.joint_names,
         arc_length=task.path.arc_length,
-        index=index,
-        found=True,
+        checked=Checked(
+            index=index,
+            objective=float(index.sum()),
+            position_error=np.zeros(h),
+            rotation_error=np.zeros(h),
+            bound_violation=np.zeros(h),
+            singular_value=np.full(h, np.nan),
+            clearance=None,
+            arm_clearance=None,
+            found=True,
+        ),
         method="fake",
         solver="fake",
-        objective=float(index.sum()),
-        arc_mean_index=float(index.mean()),
-        max_position_error=0.0,
-        max_rotation_error=0.0,
-        max_bound_violation=0.0,
-        max_joint_step=0.0,
         timing=Timing(0.001, 0.001),
         seed=seed,
         versions={"dualarm-pin": "test"},
-        extra={"pid": os.getpid()},
+        notes=FakeNotes(os.getpid()),
     )
 
 

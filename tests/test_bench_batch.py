@@ -15,7 +15,7 @@ import pytest
 pytest.importorskip("distributed")
 pq = pytest.importorskip("pyarrow.parquet")
 
-from dualarm_pin.answer.trajectory import Trajectory  # noqa: E402
+from dualarm_pin.answer.folder import load_trajectory  # noqa: E402
 from dualarm_pin.bench.batch import run_suite  # noqa: E402
 from dualarm_pin.bench.suite import Suite  # noqa: E402
 from dualarm_pin.bench.work.one_run import perform  # noqa: E402
@@ -101,7 +101,7 @@ def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_pa
     for column in ("inputs.digest", "inputs.task", "inputs.cell", "inputs.robots"):
         assert rows["dies"][column]
     assert (out / "results.csv").read_text().count("\n") == 5
-    best = Trajectory.load(out / "best" / "paper_corner")
+    best = load_trajectory(out / "best" / "paper_corner")
     assert best.objective == rows["good"]["objective"]
 
     again = bench(file, "--out", out)
@@ -141,7 +141,7 @@ def test_keep_all_and_none(tmp_path):
         run_suite(Suite.load(file), out, jobs=1)
         assert {p.name for p in out.iterdir() if p.is_dir()} == folders
         if keep == "all":
-            kept = [Trajectory.load(folder) for folder in (out / "runs").iterdir()]
+            kept = [load_trajectory(folder) for folder in (out / "runs").iterdir()]
             assert sorted(t.q[0, 0] for t in kept) == [0.0, 0.01]
 
 

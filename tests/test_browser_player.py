@@ -3,13 +3,16 @@
 import numpy as np
 import pinocchio as pin
 import pytest
+from answers import answer, answers, task
 from browser import chromium, opened
-from ns16_pair import corner, motions, pair
+from ns16_pair import motions, pair
 
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.cell import Cell
 from dualarm_pin.path import Path
 from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, Run, player_page, serving, write_player
+from dualarm_pin.show import Player, player_page, serving, write_player
+from dualarm_pin.task import Task
 
 pytestmark = pytest.mark.browser
 
@@ -17,8 +20,8 @@ pytestmark = pytest.mark.browser
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     file = tmp_path_factory.mktemp("page") / "animation.html"
-    runs = [Run(f"run {k} <b>", q, c) for k, (q, c) in enumerate(motions())]
-    write_player(file, pair(), corner(), runs, title='Three & "runs" <i>')
+    shown = {f"run {k} <b>": t for k, t in enumerate(answers().values())}
+    write_player(file, task(), shown, title='Three & "runs" <i>')
     return file
 
 
@@ -152,8 +155,7 @@ def test_unknown_names_are_said(view):
 
 
 def test_the_local_address_shows_the_same_page():
-    q, c = motions()[0]
-    page = player_page(pair(), corner(), [Run("one", q, c)], title="live")
+    page = player_page(task(), {"one": answer()}, title="live")
     with serving(page) as address, opened(address) as view:
         assert view.do("dualarm.runs") == ["one"]
         assert {url.split(":")[0] for url in view.requests[1:]} <= {"data", "blob"}
@@ -180,7 +182,9 @@ def test_prismatic_and_continuous_joints_move_as_pinocchio_says(tmp_path):
     cell = Cell.from_urdf(urdf, urdf, base2=base2, tips=("tip", "tip"))
     path = Path([[0, 0, 0], [0.1, 0, 0], [0.2, 0.1, 0]], np.eye(3))
     q = np.random.default_rng(3).uniform(-1, 1, (3, 4))
-    write_player(file, cell, path, [Run("slide", q, np.ones(3))], title="sliders")
+    shown = Task(cell, path)
+    slide = verified(shown, q, method="drawn", solver="none")
+    write_player(file, shown, {"slide": slide}, title="sliders")
     data = cell.model.createData()
     with opened(file.as_uri()) as view:
         for t in (0.0, 0.3, 0.5, 0.9):
@@ -196,7 +200,7 @@ def test_prismatic_and_continuous_joints_move_as_pinocchio_says(tmp_path):
 
 
 def test_a_saved_notebook_cell_shows_the_robots(tmp_path):
-    shown = Player(pair(), corner(), [Run("one", *motions()[0])], height=420, at=0.5)
+    shown = Player(task(), {"one": answer()}, height=420, at=0.5)
     file = tmp_path / "saved.html"
     file.write_text(f"<!doctype html><body>{shown._repr_html_()}</body>", encoding="utf-8")
     page = chromium().new_page()

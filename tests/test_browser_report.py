@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pinocchio as pin
 import pytest
+from answers import changed, task
 from browser import opened
 from ns16_pair import motions, pair
 from test_report import results
@@ -18,8 +19,12 @@ BAD = '<img src="http://evil.example/x.png">'
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     file = tmp_path_factory.mktemp("page") / "report.html"
-    shown = [replace(r, task=f"path: {BAD}") for r in results()]
-    shown[1] = replace(shown[1], label=BAD, singular_value=np.linspace(0.1, 0.5, 31))
+    asked = replace(task(), record={"path": BAD})
+    shown = {label: (asked, t) for label, (_, t) in results().items()}
+    shown = {BAD if label == "result 1" else label: each for label, each in shown.items()}
+    for label in ("result 0", "result 2"):
+        unknown = changed(shown[label][1], singular_value=np.full(31, np.nan))
+        shown[label] = (asked, unknown)
     write_report(file, shown, title="Three results")
     return file
 
@@ -110,7 +115,7 @@ def test_arc_length_axis_keeps_cursor_and_click_true(view):
 
 
 def pair_path():
-    return results()[0].path
+    return task().path
 
 
 def test_choosing_a_result_is_seen_everywhere(view):
@@ -123,7 +128,7 @@ def test_choosing_a_result_is_seen_everywhere(view):
     assert view.page.locator("th.active").first.inner_text() == "result 2"
     view.do("dualarm.select(1)")
     assert view.page.locator(".readout b").inner_text() == BAD
-    assert view.page.locator(".task").text_content() == f"path: {BAD}"
+    assert view.page.locator(".task").text_content().strip() == f"{{path: '{BAD}'}}"
     assert view.complaints == []
 
 

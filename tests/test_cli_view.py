@@ -7,30 +7,19 @@ import subprocess
 import sys
 import urllib.request
 
-import numpy as np
 import pytest
-from ns16_pair import motions
+from answers import answers, task
 
-from dualarm_pin.answer.folder import save_result
-from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.task import Task
+from dualarm_pin.answer.folder import labels, save_result
 
 
 @pytest.fixture(scope="module")
 def folders(tmp_path_factory):
     """Three result folders, two of them of the same name, as `solve` writes them."""
     top = tmp_path_factory.mktemp("results")
-    task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
     made = [top / "monday" / "corner", top / "tuesday" / "corner", top / "other"]
-    for folder, (q, index) in zip(made, motions(), strict=True):
-        trajectory = Trajectory(
-            q=q, joints=task.cell.joint_names, arc_length=task.path.arc_length, index=index,
-            found=True, method="global", solver="engine", objective=12.73, arc_mean_index=0.4,
-            max_position_error=1e-9, max_rotation_error=1e-9, max_bound_violation=0.0,
-            max_joint_step=float(np.abs(np.diff(q, axis=0)).max()),
-        )  # fmt: skip
-        save_result(folder, task, trajectory)
+    for folder, trajectory in zip(made, answers().values(), strict=True):
+        save_result(folder, task(), trajectory)
     return made
 
 
@@ -52,9 +41,9 @@ def test_one_file_with_three_results(folders, tmp_path):
 
 
 def test_results_of_one_name_are_told_apart(folders):
-    from dualarm_pin.cli.view import _labels
-
-    assert _labels(tuple(folders)) == ["monday/corner", "tuesday/corner", "other"]
+    assert labels(folders) == ["monday/corner", "tuesday/corner", "other"]
+    assert labels(folders[1:]) == ["corner", "other"]
+    assert len(set(labels([folders[0], *folders]))) == 4
 
 
 def test_live_page_is_there_until_the_signal(folders):

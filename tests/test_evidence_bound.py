@@ -10,9 +10,10 @@ import pytest
 from evidence_cases import minima_of_six, random_path, six_points, whole
 from numpy.typing import NDArray
 
+from dualarm_pin.answer.evidence import Bound
 from dualarm_pin.evidence import bound as bound_module
 from dualarm_pin.evidence.ascent import Ascent, BoundOptions
-from dualarm_pin.evidence.bound import Bound, bound_minimum, lower_bound
+from dualarm_pin.evidence.bound import bound_minimum, lower_bound
 from dualarm_pin.evidence.bundle import Planes, highest
 from dualarm_pin.evidence.check import check_minimum, polished
 from dualarm_pin.evidence.piece_search import SearchOptions
@@ -32,7 +33,7 @@ def best() -> Array:
 
 @pytest.fixture(scope="module")
 def bound(best: Array) -> Bound:
-    found = lower_bound(six_points(), best, seed=0, jobs=2, options=SMALL)
+    found, _ = lower_bound(six_points(), best, seed=0, jobs=2, options=SMALL)
     assert found is not None
     return found
 
@@ -128,7 +129,7 @@ def test_the_bound_is_below_every_path_and_near_the_best(best: Array, bound: Bou
     assert bound.value <= objective + 1e-9
     assert bound.value <= minima_of_six().ends.objective.min() + 1e-6
     assert bound.gap < 1e-3
-    assert bound.better is None
+    assert not bound.found_better
     assert bound.pieces == len(bound.starts) == len(bound.hits)
     assert bound.value == max(bound.tried.values())
 
@@ -136,7 +137,7 @@ def test_the_bound_is_below_every_path_and_near_the_best(best: Array, bound: Bou
 def test_the_bound_does_not_depend_on_the_number_of_threads(best: Array) -> None:
     options = BoundOptions(search=SearchOptions(wide=40, most=40, postures=20), rounds=1)
     one, two = (
-        lower_bound(six_points(), best, seed=4, jobs=jobs, options=options) for jobs in (1, 2)
+        lower_bound(six_points(), best, seed=4, jobs=jobs, options=options)[0] for jobs in (1, 2)
     )
     assert one is not None
     assert two is not None
@@ -149,16 +150,18 @@ def test_a_wrong_incumbent_shows_as_a_gap_and_the_better_path_is_found(
     problem = six_points()
     minima = minima_of_six().ends
     wrong = minima.q[np.flatnonzero(minima.objective > 1.05 * minima.objective[0])[0]]
-    local = check_minimum(problem, wrong, seed=0, jobs=2)
-    found = lower_bound(problem, local.q, seed=0, jobs=2, options=SMALL)
+    q, local = check_minimum(problem, wrong, seed=0, jobs=2)
+    found, path = lower_bound(problem, q, seed=0, jobs=2, options=SMALL)
     assert found is not None
     assert found.gap > 0.03
     assert found.value <= problem.objective(best) + 1e-9
-    assert found.better is not None
-    assert problem.objective(found.better) == pytest.approx(problem.objective(best), rel=1e-5)
-    monkeypatch.setattr(bound_module, "lower_bound", lambda *_, **__: found)
-    better, against = bound_minimum(problem, local, seed=0, jobs=2)
+    assert found.beaten
+    assert path is not None
+    assert problem.objective(path) == pytest.approx(problem.objective(best), rel=1e-5)
+    monkeypatch.setattr(bound_module, "lower_bound", lambda *_, **__: (found, path))
+    q, better, against = bound_minimum(problem, q, local, seed=0, jobs=2)
     assert better.strict
+    assert problem.objective(q) == pytest.approx(better.objective)
     assert against is not None
     assert against.gap < 1e-3
     assert against.replaced == pytest.approx(problem.objective(wrong), rel=1e-6)
@@ -205,7 +208,7 @@ def test_a_very_short_path_is_not_cut_but_searched_anew(points: list[int]) -> No
     starts = np.repeat(minima_of_six().ends.q[:40, :1], len(points), axis=1)
     ends = engine.solve_many(problem, starts, jobs=2)
     q = ends.q[np.argmin(np.where(ends.converged, ends.objective, np.inf))]
-    found = lower_bound(problem, q, seed=0, jobs=2, options=SMALL)
+    found, _ = lower_bound(problem, q, seed=0, jobs=2, options=SMALL)
     assert found is not None
     assert found.cuts == ()
     assert found.pieces == 1
@@ -215,9 +218,9 @@ def test_a_very_short_path_is_not_cut_but_searched_anew(points: list[int]) -> No
 def test_a_free_tool_spin_is_bounded_too() -> None:
     problem = six_points().with_points(pose_rows=np.full(6, 5))
     q = polished(problem, minima_of_six().ends.q[0])
-    found = lower_bound(problem, q, seed=0, jobs=2, options=SMALL)
+    found, better = lower_bound(problem, q, seed=0, jobs=2, options=SMALL)
     assert found is not None
-    lowest = problem.objective(q if found.better is None else found.better)
+    lowest = problem.objective(q if better is None else better)
     assert found.value <= lowest + 1e-9
     assert found.value > 0.5 * lowest
 
@@ -237,7 +240,7 @@ def test_ctrl_c_leaves_the_last_rechecked_value_or_none(
 
     monkeypatch.setattr(Ascent, "climb", climb_until_ctrl_c)
     options = replace(SMALL, steps=1, rounds=1, enough=-1.0)  # so that every set is tried
-    found = lower_bound(six_points(), best, seed=0, jobs=2, options=options)
+    found, _ = lower_bound(six_points(), best, seed=0, jobs=2, options=options)
     if sets == 0:
         assert found is None
     else:

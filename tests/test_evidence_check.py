@@ -10,8 +10,9 @@ from evidence_cases import minima_of_six, six_points, whole
 from numpy.typing import NDArray
 from scipy.linalg import null_space
 
+from dualarm_pin.answer.evidence import LocalCheck
 from dualarm_pin.evidence import check
-from dualarm_pin.evidence.check import LocalCheck, check_minimum, near, polished
+from dualarm_pin.evidence.check import check_minimum, near, polished
 from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import Stationarity, _signed_multipliers, stationarity
 from dualarm_pin.problem import Problem
@@ -52,7 +53,7 @@ def test_multipliers_agree_with_those_of_the_engine(best: Array) -> None:
 
 def test_multipliers_predict_what_wider_limits_gain(best: Array) -> None:
     problem = six_points()
-    local = check_minimum(problem, best, seed=0, jobs=1)
+    _, local = check_minimum(problem, best, seed=0, jobs=1)
     joint = problem.cell.joint_names.index(local.costliest_joint)
     room = np.zeros(problem.n)
     room[joint] = 1e-4
@@ -114,14 +115,14 @@ def test_curvature_counts_links_to_fixed_neighbours(best: Array) -> None:
 
 def test_smallest_singular_value_and_active_set(best: Array) -> None:
     problem = six_points()
-    local = check_minimum(problem, best, seed=0, jobs=1)
+    _, local = check_minimum(problem, best, seed=0, jobs=1)
     free = (best > problem.lower + 1e-6) & (best < problem.upper - 1e-6)
     smallest = min(
         np.linalg.svd(equalities(problem, i, Relative(problem.cell, q))[1][:, free[i]])[1][-1]
         for i, q in enumerate(best)
     )
     assert local.sigma_min == pytest.approx(smallest, rel=1e-6)
-    assert local.n_active == np.count_nonzero(~free)
+    assert local.active_bounds == np.count_nonzero(~free)
     assert local.strict
 
 
@@ -132,9 +133,9 @@ def test_every_figure_of_the_best_path_known() -> None:
     starts = np.array([q[np.minimum((np.arange(31) + 3) // 6, 5)] for q in seed[:40]])
     ends = engine.solve_many(problem, starts, jobs=2)
     q = ends.q[np.argmin(np.where(ends.converged, ends.objective, np.inf))]
-    local = check_minimum(problem, q, seed=0, jobs=2)
+    _, local = check_minimum(problem, q, seed=0, jobs=2)
     assert local.objective == pytest.approx(12.7309, abs=2e-4)
-    assert (local.n_active, local.free_directions) == (98, 88)
+    assert (local.active_bounds, local.free_directions) == (98, 88)
     assert local.curvature_min == pytest.approx(0.284, abs=1e-3)
     assert local.min_multiplier == pytest.approx(0.0093, abs=1e-4)
     assert local.sigma_min == pytest.approx(0.2144, abs=1e-3)
@@ -148,8 +149,8 @@ def test_a_better_path_nearby_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     problem = six_points()
     worse = minima_of_six().ends.q[-1]
     monkeypatch.setattr(check, "SHIFTS", (3.0,))  # far enough to leave any basin
-    local = check_minimum(problem, worse, seed=1, jobs=2)
-    assert local.adopted > 0
+    _, local = check_minimum(problem, worse, seed=1, jobs=2)
+    assert local.adopted_from_nearby > 0
     assert local.objective < problem.objective(worse) - 0.01
 
 
@@ -157,16 +158,16 @@ def test_smaller_shifts_are_tried_where_some_starts_do_not_return(
     best: Array, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(check, "SHIFTS", (3.0, 0.01))
-    local = check_minimum(six_points(), best, seed=1, jobs=2)
-    assert local.adopted == 0
+    _, local = check_minimum(six_points(), best, seed=1, jobs=2)
+    assert local.adopted_from_nearby == 0
     assert local.return_share < 1.0
     assert local.return_radius == 0.01
 
 
 def test_the_check_does_not_depend_on_the_number_of_threads(best: Array) -> None:
     one, two = (check_minimum(six_points(), best, seed=3, jobs=jobs) for jobs in (1, 2))
-    assert np.array_equal(one.q, two.q)
-    assert one.return_share == two.return_share
+    assert np.array_equal(one[0], two[0])
+    assert one[1] == two[1]
 
 
 def test_a_wrong_sign_from_too_few_free_joints_is_mended() -> None:
@@ -201,6 +202,6 @@ def test_a_descent_direction_into_the_box_is_not_stationary() -> None:
 def test_what_counts_as_a_minimum(
     change: dict[str, float | None], stationary: bool, minimum: bool, strict: bool
 ) -> None:
-    sound = LocalCheck(np.zeros((2, 2)), 1.0, 0.0, 0.0, 0.1, 1, 0.5, 3, 0.2, 0.2, 1.0)
+    sound = LocalCheck(1.0, 0.0, 0.0, 0.1, 1, 0.5, 3, 0.2, 0.2, 1.0)
     local = replace(sound, **change)
     assert (local.stationary, local.minimum, local.strict) == (stationary, minimum, strict)

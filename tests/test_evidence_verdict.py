@@ -3,37 +3,30 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import product
 
 import numpy as np
 import pytest
+from answers import answer
 from evidence_cases import minima_of_six, six_points
 
-from dualarm_pin.answer.trajectory import Evidence, LawCount
+from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck
+from dualarm_pin.answer.result_json import result_json
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.evidence import examine
-from dualarm_pin.evidence.bound import Bound
-from dualarm_pin.evidence.check import LocalCheck
-from dualarm_pin.evidence.laws import (
-    count,
-    expected_better,
-    laws_suffice,
-    missed_share,
-    unseen_share,
-)
+from dualarm_pin.evidence.laws import count, laws_suffice, missed_share
 from dualarm_pin.evidence.sentences import STOPPING_RULE
 from dualarm_pin.evidence.verdict import Findings, conclude
 from dualarm_pin.solution import Solutions
 
 FORBIDDEN = ("global", "certified", "optimal within", "chance of being", "guarantee", "proven")
 STRICT = LocalCheck(
-    q=np.zeros((31, 12)),
     objective=12.7309,
     feasibility=1e-12,
     stationarity=1e-9,
     min_multiplier=0.0093,
-    n_active=98,
+    active_bounds=98,
     curvature_min=0.284,
     free_directions=88,
     sigma_min=0.21,
@@ -75,7 +68,10 @@ BOUNDS = {
     "wide gap": replace(CLOSED, value=12.0),
     "just open": replace(CLOSED, value=12.7309 * (1.0 - 1.01e-3)),
     "few hits": replace(CLOSED, hits=(15, 2, 9)),
-    "better": replace(CLOSED, better=np.zeros((31, 12))),
+    "better": replace(CLOSED, found_better=True),
+    "taken over": replace(CLOSED, found_better=True, replaced=12.9),
+    "above": replace(CLOSED, value=12.7309 * (1.0 + 2e-5)),
+    "round-off": replace(CLOSED, value=12.7309 + 1e-9),
     "cut short": replace(CLOSED, complete=False),
     "whole": replace(CLOSED, cuts=(), starts=(445,), hits=(4,), tried={(): 12.7308}),
 }
@@ -91,39 +87,52 @@ def findings(local: str, laws: str, bound: str) -> Findings:
 def test_verdict_sentences_and_record_of_every_combination(
     local: str, laws: str, bound: str
 ) -> None:
-    evidence, text = conclude(findings(local, laws, bound))
+    evidence = conclude(findings(local, laws, bound))
+    text = evidence.sentences
     minimum = local in {"strict", "flat", "edge"}
     if not (minimum and laws == "two"):
         expected = "local_only"
     else:
-        expected = "best_known_bounded" if bound in {"closed", "whole"} else "best_known"
+        closed = bound in {"closed", "whole", "taken over", "round-off"}
+        expected = "best_known_bounded" if closed else "best_known"
     assert evidence.verdict == expected
     lines = text.split("\n")
     assert len(lines) == 3
     assert all(line[0].isupper() and line.endswith(".") for line in lines)
     # The details are read by people too.
-    shown = (text + json.dumps(asdict(evidence))).lower()
+    written = result_json(replace(answer(), evidence=evidence))["evidence"]
+    shown = (text + json.dumps(written)).lower()
     assert not [word for word in FORBIDDEN if word in shown]
-    assert (bound != "none") == ("unless" in text), "a bound comes with its condition"
+    bounded = bound not in {"none", "above"}
+    assert bounded == ("unless" in text), "a bound comes with its condition"
     assert ("Strict local minimum" in text) == (local in {"strict", "edge"})
 
 
 def test_the_record_holds_what_was_measured() -> None:
-    evidence, _ = conclude(findings("strict", "two", "closed"))
-    assert evidence.stationarity == 1e-9
-    assert evidence.curvature_min == 0.284
-    assert evidence.active_bounds == 98
+    evidence = conclude(findings("strict", "two", "closed"))
+    assert evidence.local == STRICT
+    assert evidence.bound == CLOSED
     assert evidence.lower_bound == 12.7308
     assert evidence.gap == pytest.approx(1e-4 / 12.7309)
     assert evidence.missed_share_95 == pytest.approx(1 - 0.05 ** (1 / 300))
-    details = evidence.details
-    assert details["local"] == "strict_minimum"
-    assert details["bound_cuts"] == [11, 21]
-    assert details["piece_hits"] == [15, 6, 3]
-    assert details["costliest_joint"] == "arm1/joint_5"
-    assert details["laws_agree"] is True
-    assert details["stopping_rule"] == STOPPING_RULE
-    assert details["stopping_rule_met"] is True
+    assert STRICT.costliest_joint == "arm1/joint_5"
+    assert evidence.laws_agree is True
+    assert evidence.stopping_rule == STOPPING_RULE
+    assert evidence.stopping_rule_met is True
+
+
+def test_a_bound_above_the_path_is_said_to_be_wrong_and_closes_nothing() -> None:
+    evidence = conclude(findings("strict", "two", "above"))
+    assert evidence.bound is not None
+    assert evidence.bound.contradicted
+    assert evidence.gap == pytest.approx(-2e-5)
+    assert evidence.verdict == "best_known"
+    assert evidence.stopping_rule_met is False
+    assert evidence.sentences.split("\n")[1] == (
+        "Splitting into 3 pieces: the value 12.7312 lies above this very path (gap -0.002 %), so a "
+        "piece search (445 starts each, minimum hit 3 to 15 times) missed a minimum, or the bound "
+        "is wrong: it bounds nothing."
+    )
 
 
 @pytest.mark.parametrize(
@@ -131,25 +140,24 @@ def test_the_record_holds_what_was_measured() -> None:
     [("flat", "flat_minimum"), ("saddle", "saddle"), ("moving", "not_stationary")],
 )
 def test_the_record_tells_what_kind_of_point_it_is(local: str, kind: str) -> None:
-    assert conclude(findings(local, "two", "none"))[0].details["local"] == kind
+    found = conclude(findings(local, "two", "none")).local
+    assert found is not None
+    assert found.kind == kind
 
 
 def test_what_was_not_done_is_null() -> None:
-    evidence, _ = conclude(findings("strict", "none", "none"))
+    evidence = conclude(findings("strict", "none", "none"))
     assert evidence == Evidence(
         verdict="local_only",
-        stationarity=1e-9,
-        curvature_min=0.284,
-        active_bounds=98,
-        details=evidence.details,
+        stopping_rule=STOPPING_RULE,
+        stopping_rule_met=False,
+        local=STRICT,
+        sentences=evidence.sentences,
     )
-    assert evidence.details["laws_agree"] is None
-    assert evidence.details["piece_hits"] is None
 
 
 def test_the_sentences_of_a_full_run() -> None:
-    _, text = conclude(findings("strict", "two", "closed"))
-    assert text == (
+    assert conclude(findings("strict", "two", "closed")).sentences == (
         "Best of 700 starts (two ways), found 5 + 3 times: better paths that these starts can "
         "reach draw under 0.99 % of them (95 %).\n"
         "Splitting into 3 pieces: no better path can exist below 12.7308 (gap 0.00079 %) unless a "
@@ -161,7 +169,7 @@ def test_the_sentences_of_a_full_run() -> None:
 def test_without_a_bound_the_stopping_rule_is_printed() -> None:
     assert "(1000 for a published number)" in STOPPING_RULE
     for laws, end in (("two", "; met here."), ("few hits", "; not met here.")):
-        line = conclude(findings("strict", laws, "none"))[1].split("\n")[1]
+        line = conclude(findings("strict", laws, "none")).sentences.split("\n")[1]
         assert STOPPING_RULE in line
         assert line.endswith(end)
 
@@ -205,17 +213,17 @@ def test_a_twin_has_the_objective_but_not_the_joints_of_the_best() -> None:
 def test_a_law_that_found_nothing_counts_nothing() -> None:
     law = count(ends(1, 2, converged=0), np.full((2, 3), 0.1))
     assert law == LawCount(2, 0, 0, 0)
-    assert unseen_share(law) is None
-    assert expected_better(law) is None
+    assert law.unseen_share is None
+    assert law.expected_better is None
 
 
 def test_shares_of_a_law() -> None:
     law = LawCount(500, 500, 118, 4, singletons=55)
-    assert unseen_share(law) == pytest.approx(0.11)
+    assert law.unseen_share == pytest.approx(0.11)
     # W (N - 1) / (N - W - 2) = 118 * 499 / 380 = 154.95 minima; (154.95 - 118) / 119 = 0.31
-    assert expected_better(law) == pytest.approx(0.3105, abs=1e-3)
-    assert expected_better(LawCount(100, 100, 51, 1)) == 1.0
-    assert expected_better(LawCount(50, 50, 48, 1)) is None
+    assert law.expected_better == pytest.approx(0.3105, abs=1e-3)
+    assert LawCount(100, 100, 51, 1).expected_better == 1.0
+    assert LawCount(50, 50, 48, 1).expected_better is None
 
 
 def test_one_law_alone_gives_no_share_and_does_not_suffice() -> None:
@@ -225,10 +233,11 @@ def test_one_law_alone_gives_no_share_and_does_not_suffice() -> None:
 
 
 def test_examine_gives_evidence_for_a_path_from_anywhere() -> None:
-    evidence, text = examine(six_points(), minima_of_six().ends.q[0], jobs=2)
+    evidence = examine(six_points(), minima_of_six().ends.q[0], jobs=2)
     assert evidence.verdict == "local_only"
-    assert evidence.details["local"] == "strict_minimum"
-    assert text.startswith("No other starts were made")
+    assert evidence.local is not None
+    assert evidence.local.strict
+    assert evidence.sentences.startswith("No other starts were made")
 
 
 def test_examine_names_the_shape_it_wants() -> None:

@@ -174,7 +174,7 @@ def test_ctrl_c_keeps_what_is_finished(short: Task, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(module.nlopt_slsqp, "solve", stop_at_the_eighth)
     answer = plan_two_stage(short, starts=6, seed=1, jobs=1, basins=2, inner=2)
     assert answer.found
-    assert answer.extra["interrupted"] is True
+    assert answer.notes.interrupted
 
 
 def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
@@ -195,7 +195,7 @@ def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
     monkeypatch.setattr(engine, "solve_many", stop_when_the_first_paths_are_refined)
     answer = plan_global(task, effort="normal", seed=0)
     assert answer.found
-    assert answer.extra["interrupted"] is True
+    assert answer.notes.interrupted
     assert answer.objective == pytest.approx(12.7309, abs=1e-3)
 
 

@@ -2,22 +2,15 @@
 
 import subprocess
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from ns16_pair import corner, motions, pair
+from answers import answer, answers, changed, near
+from ns16_pair import corner, pair
 
-from dualarm_pin.errors import ShapeError
+from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.show import plots
-
-
-def curves():
-    s = corner().arc_length
-    return [plots.Curve(f"method {k}", c, s) for k, (_, c) in enumerate(motions())]
-
-
-def moves():
-    return [plots.Motion(f"method {k}", q) for k, (q, _) in enumerate(motions())]
 
 
 def test_path_is_drawn_flat_with_the_points_of_the_first_stage():
@@ -37,8 +30,8 @@ def test_path_in_space_has_three_axes():
 
 @pytest.mark.parametrize("along", ["point", "arc_length"])
 def test_index_shows_every_curve_and_its_mean(along):
-    ax = plots.figure_index(curves(), along=along).axes[0]
-    for k, curve in enumerate(curves()):
+    ax = plots.figure_index(answers(), along=along).axes[0]
+    for k, curve in enumerate(answers().values()):
         np.testing.assert_array_equal(ax.lines[2 * k].get_ydata(), curve.index)
         assert f"mean {curve.index.mean():.3g}" in ax.get_legend().get_texts()[k].get_text()
     assert ax.get_ylim()[0] == 0
@@ -46,38 +39,38 @@ def test_index_shows_every_curve_and_its_mean(along):
     assert ax.get_xlabel() == {"point": "path point", "arc_length": "arc length [m]"}[along]
 
 
-def test_arc_length_must_fit():
-    with pytest.raises(ShapeError, match=r"arc_length of 'a' must have one value per point \(5\)"):
-        plots.figure_index([plots.Curve("a", np.ones(5))], along="arc_length")
-
-
 def test_clearance_marks_collisions():
-    values = np.linspace(0.1, -0.05, 8)
-    assert plots.figure_clearance([plots.Curve("a", values)]).axes[0].get_ylim()[0] < -0.05
-    assert plots.figure_clearance([plots.Curve("a", values + 1)]).axes[0].get_ylim()[0] == 0
+    values = np.linspace(0.1, -0.05, 31)
+    for shift, below in ((0.0, True), (1.0, False)):
+        shown = changed(answer(), clearance=near(values + shift))
+        ax = plots.figure_clearance({"a": shown}).axes[0]
+        np.testing.assert_array_equal(ax.lines[0].get_ydata(), values + shift)
+        assert (ax.get_ylim()[0] < -0.05) == below
+    with pytest.raises(InputError, match="a: its clearance is unknown"):
+        plots.figure_clearance({"a": changed(answer(), clearance=None)})
 
 
 def test_joints_show_bounds_in_degrees():
-    figure = plots.figure_joints(pair(), moves())
+    figure = plots.figure_joints(pair(), answers())
     assert len([ax for ax in figure.axes if ax.get_visible()]) == 12
     ax = next(ax for ax in figure.axes if ax.get_title("left") == "arm2/joint_3 [deg]")
-    np.testing.assert_allclose(ax.lines[1].get_ydata(), np.degrees(moves()[1].q[:, 8]))
+    np.testing.assert_allclose(ax.lines[1].get_ydata(), np.degrees(answers()["result 1"].q[:, 8]))
     heights = {round(float(line.get_ydata()[0]), 6) for line in ax.lines[3:]}
     assert heights == {-150.0, 45.0}
 
 
 def test_steps_and_wrong_columns():
-    ax = plots.figure_steps(pair(), moves()).axes[0]
-    q = moves()[0].q
+    ax = plots.figure_steps(pair(), answers()).axes[0]
+    q = answer().q
     top = np.degrees(np.abs(np.diff(q, axis=0)).max())
     assert f"largest {top:.1f}°" in ax.get_legend().get_texts()[0].get_text()
     with pytest.raises(ShapeError, match=r"\(h, 12\) is expected for 'short'; given \(31, 5\)"):
-        plots.figure_steps(pair(), [plots.Motion("short", q[:, :5])])
+        plots.figure_steps(pair(), {"short": replace(answer(), q=q[:, :5], joints=("a",) * 5)})
 
 
 def test_saved_bytes_are_the_same_every_time(tmp_path):
-    first = plots.save(plots.figure_index(curves()), tmp_path / "a" / "fig.4")
-    again = plots.save(plots.figure_index(curves()), tmp_path / "b" / "fig.4")
+    first = plots.save(plots.figure_index(answers()), tmp_path / "a" / "fig.4")
+    again = plots.save(plots.figure_index(answers()), tmp_path / "b" / "fig.4")
     assert [file.name for file in first] == ["fig.4.svg", "fig.4.png"]
     for one, two in zip(first, again, strict=True):
         assert one.read_bytes() == two.read_bytes()

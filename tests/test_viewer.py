@@ -9,16 +9,19 @@ import coal
 import numpy as np
 import pinocchio as pin
 import pytest
+from answers import answer, answers, task
 from ns16_pair import corner, motions, pair
 
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.meshes.triangles import triangles_of
-from dualarm_pin.show import Run, build_scene, player_page, write_player
-from dualarm_pin.show.scene import Scene
+from dualarm_pin.show import Scene, player_page, posture_page, write_player
 
 
-def runs():
-    return [Run(f"run {k}", q, c) for k, (q, c) in enumerate(motions())]
+def scene():
+    scene = Scene()
+    for label, trajectory in answers().items():
+        scene.add(label, task(), trajectory)
+    return scene
 
 
 def unpack(data):
@@ -52,10 +55,10 @@ def poses(cell, head_cell, q):
 
 
 def test_joint_tree_of_the_page_is_pinocchios():
-    cell = pair()
-    head, array = unpack(build_scene(cell, corner(), runs()).pack())
+    cell = task().cell
+    head, array = unpack(scene().pack())
     data = cell.model.createData()
-    for k, run in enumerate(runs()):
+    for k, run in enumerate(answers().values()):
         q = array(head["runs"][k]["q"])
         np.testing.assert_allclose(q, run.q, atol=1e-6)
         pin.framesForwardKinematics(cell.model, data, cell.model_q(run.q[7]))
@@ -68,8 +71,8 @@ def test_joint_tree_of_the_page_is_pinocchios():
 
 
 def test_meshes_are_stored_once_for_both_arms():
-    cell = pair()
-    head, _ = unpack(build_scene(cell, corner(), runs()).pack())
+    cell = task().cell
+    head, _ = unpack(scene().pack())
     bodies = head["cells"][0]["bodies"]
     assert len(bodies) == len(cell.visual.geometryObjects) + len(cell.collision.geometryObjects)
     assert len(head["meshes"]) == len(bodies) / 2
@@ -78,8 +81,8 @@ def test_meshes_are_stored_once_for_both_arms():
 
 def test_cells_and_paths_are_told_apart():
     scene, path = Scene(), corner()
-    scene.add_run(pair(), path, runs()[0])
-    scene.add_run(pair(), path.with_direction([0, 0, 1]), runs()[1])
+    scene.add_motion("one", pair(), path, *motions()[0])
+    scene.add_motion("two", pair(), path.with_direction([0, 0, 1]), *motions()[1])
     assert [run["path"] for run in scene.head["runs"]] == [0, 1]
     assert [run["cell"] for run in scene.head["runs"]] == [0, 0]
 
@@ -128,8 +131,7 @@ def test_heavy_meshes_get_coarser_but_keep_their_size():
 def test_names_are_escaped_and_nothing_is_fetched(tmp_path):
     bad = '</script><img src="http://evil.example/x">'
     file = tmp_path / "deep" / "animation.html"
-    named = [Run(bad, *motions()[0])]
-    write_player(file, pair(), corner(), named, title=bad)
+    write_player(file, task(), {bad: answer()}, title=bad)
     text = file.read_text("utf-8")
     assert bad not in text
     assert "<title>&lt;/script&gt;&lt;img" in text
@@ -141,18 +143,27 @@ def test_names_are_escaped_and_nothing_is_fetched(tmp_path):
 
 
 def test_page_is_small_and_the_same_every_time():
-    first = player_page(pair(), corner(), runs(), title="a")
-    assert first == player_page(pair(), corner(), runs(), title="a")
+    first = player_page(task(), answers(), title="a")
+    assert first == player_page(task(), answers(), title="a")
     assert len(first) < 1_000_000
+
+
+def test_a_cell_alone_is_drawn_in_one_posture(tmp_path):
+    cell = pair()
+    text = posture_page("middle", cell, (cell.lower + cell.upper) / 2).decode("utf-8")
+    data = re.search(r'<script id="data" type="text/plain">([^<]*)</script>', text).group(1)
+    head, array = unpack(gzip.decompress(base64.b64decode(data)))
+    q = array(head["runs"][0]["q"])
+    np.testing.assert_allclose(q[0], (cell.lower + cell.upper) / 2, atol=1e-6)
+    assert np.ptp(q, axis=0).max() == 0.0
 
 
 def test_what_does_not_fit_is_refused():
     q, c = motions()[0]
+    scene = Scene()
     with pytest.raises(ShapeError, match=r"q: run 'a': \(31, 12\) is expected; given \(30, 12\)"):
-        build_scene(pair(), corner(), [Run("a", q[:30], c)])
+        scene.add_motion("a", pair(), corner(), q[:30], c)
     with pytest.raises(ShapeError, match=r"index: run 'a': \(31,\) is expected; given \(30,\)"):
-        build_scene(pair(), corner(), [Run("a", q, c[:30])])
-    with pytest.raises(InputError, match="run 'a' has joints that are not finite"):
-        build_scene(pair(), corner(), [Run("a", np.full_like(q, np.nan), c)])
-    with pytest.raises(InputError, match="there is no run to show"):
-        build_scene(pair(), corner(), [])
+        scene.add_motion("a", pair(), corner(), q, c[:30])
+    with pytest.raises(InputError, match="there is no answer to show"):
+        player_page(task(), {}, title="none")

@@ -1,28 +1,74 @@
-"""Result folders: a task as solved and the trajectory that answers it."""
+"""Result folders: a task as solved and the trajectory that answers it.
+
+A folder holds `task.yaml`, `trajectory.csv`, `trajectory.npz` (no pickle) and, written last,
+`result.json`; scripts rely on their keys and columns.
+"""
 
 from __future__ import annotations
 
+import csv
+import io
+import json
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+from pydantic import ValidationError
+
+from dualarm_pin.answer.result_json import read_result_json, result_json
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.errors import MissingFileError
-from dualarm_pin.files.write import write_text
+from dualarm_pin.arrays import Array
+from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.files.write import write_bytes
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
+_LARGEST = 2_000_000_000  # bytes of the arrays, unpacked
+_NOT_OURS = "not a result of this program"
 
-def save_result(folder: Path, task: Task, trajectory: Trajectory) -> None:
-    """Write `task.yaml` (complete, as solved), then the files of the trajectory.
+
+def save_result(folder: str | Path, task: Task, trajectory: Trajectory) -> None:
+    """Write a result folder: the task (complete, as solved) and its trajectory.
+
+    A task made in Python has no file: then the trajectory is written alone.
 
     Raises:
         InputError: The folder cannot be written.
     """
-    if task.record is not None:
-        write_text(folder / "task.yaml", task.as_yaml())
-    trajectory.save(folder)
+    save_trajectory(folder, trajectory, None if task.record is None else task.as_yaml())
+
+
+def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None = None) -> None:
+    """Write a trajectory into a folder; each file appears whole or not at all.
+
+    Args:
+        folder: Where to.
+        trajectory: The answer.
+        task: Content of `task.yaml`, if there is one.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    arrays = io.BytesIO()
+    np.savez(
+        arrays,
+        q=trajectory.q,
+        index=trajectory.index,
+        arc_length=trajectory.arc_length,
+        joints=np.array(trajectory.joints, dtype=np.str_),
+    )
+    files = {
+        "trajectory.csv": _csv(trajectory).encode(),
+        "trajectory.npz": arrays.getvalue(),
+        "result.json": (json.dumps(result_json(trajectory), indent=1) + "\n").encode(),
+    }
+    if task is not None:
+        files = {"task.yaml": task.encode(), **files}
+    for name, data in files.items():
+        write_bytes(Path(folder) / name, data)
 
 
 def load_result(folder: str | Path) -> tuple[Task, Trajectory]:
@@ -30,51 +76,99 @@ def load_result(folder: str | Path) -> tuple[Task, Trajectory]:
 
     Raises:
         MissingFileError: It holds no result, or its task names files that are gone.
-        InputError: Its files do not fit together.
+        InputError: Its files are damaged or do not fit together.
     """
     from dualarm_pin.task import Task
 
     folder = Path(folder)
-    trajectory = Trajectory.load(folder)
+    trajectory = load_trajectory(folder)
     if not (folder / "task.yaml").is_file():
         raise MissingFileError("the task of this result is missing", file=folder / "task.yaml")
-    return Task.load(folder / "task.yaml"), trajectory
+    task = Task.load(folder / "task.yaml")
+    if (len(trajectory.q), trajectory.joints) != (task.path.h, task.cell.joint_names):
+        raise InputError(
+            f"it answers another task: {len(trajectory.q)} points of {len(trajectory.joints)} "
+            f"joints; the task has {task.path.h} points of {task.cell.n} joints",
+            file=folder / "result.json",
+        )
+    return task, trajectory
+
+
+def load_trajectory(folder: str | Path) -> Trajectory:
+    """Read the trajectory of a result folder, of this version or one before.
+
+    Raises:
+        MissingFileError: It holds no result.
+        InputError: Its files are damaged or do not fit together.
+    """
+    file, archive = Path(folder) / "result.json", Path(folder) / "trajectory.npz"
+    try:
+        text = file.read_bytes()
+    except OSError as error:
+        raise MissingFileError(
+            "no result here: give the folder that `solve --out` wrote", file=file
+        ) from error
+    q, index, arc_length = _read_arrays(archive)
+    try:
+        return read_result_json(text, q, index, arc_length)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        given = (
+            ""
+            if first["type"] in ("missing", "json_invalid")
+            else f"; given {first['input']!r:.80}"
+        )
+        field = ".".join(map(str, first["loc"])) or None
+        raise InputError(f"{_NOT_OURS}: {first['msg']}{given}", file=file, field=field) from error
+    except InputError as error:
+        raise InputError(
+            f"it does not fit trajectory.npz: {error.message}", file=file, field=error.field
+        ) from error
+
+
+def _read_arrays(file: Path) -> tuple[Array, Array, Array]:
+    try:
+        with zipfile.ZipFile(file) as archive:
+            if sum(part.file_size for part in archive.infolist()) > _LARGEST:
+                raise InputError(f"{_NOT_OURS}: its arrays are too large", file=file)
+        with np.load(file, allow_pickle=False) as arrays:
+            found = [arrays[name] for name in ("q", "index", "arc_length")]
+    except FileNotFoundError as error:
+        raise MissingFileError("no such file", file=file) from error
+    except InputError:
+        raise
+    except Exception as error:  # a damaged archive fails anywhere in zipfile, zlib and numpy
+        raise InputError(f"not a trajectory of this program: {error}", file=file) from error
+    for name, array, axes in zip(("q", "index", "arc_length"), found, (2, 1, 1), strict=True):
+        if array.ndim != axes or array.dtype.kind not in "fiu":
+            raise InputError(
+                f"{axes} axes of numbers are expected; given {array.dtype}, shape {array.shape}",
+                file=file,
+                field=name,
+            )
+    q, index, arc_length = (np.asarray(array, dtype=np.float64) for array in found)
+    return q, index, arc_length
+
+
+def _csv(trajectory: Trajectory) -> str:
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(["point", "arc_length", *trajectory.joints, "index"])
+    columns = zip(trajectory.arc_length, trajectory.q, trajectory.index, strict=True)
+    for i, (s, q, c) in enumerate(columns, 1):
+        writer.writerow([i, *(repr(float(x)) for x in (s, *q, c))])
+    return text.getvalue()
 
 
 def labels(folders: Sequence[Path]) -> list[str]:
-    """Return a label for each folder: its name, or as much of its path as tells them apart."""
-    parts = [folder.resolve().parts[::-1] for folder in folders]
-    for depth in range(1, max(map(len, parts)) + 1):
-        names = ["/".join(reversed(part[:depth])) for part in parts]
-        if len(set(names)) == len(names):
-            return names
-    return [f"{name} ({number})" for number, name in enumerate(names, 1)]
-
-
-def summary(task: Task, trajectory: Trajectory) -> str:
-    """Return a result as a few lines of text."""
-    t = trajectory
-    clearance = (
-        "unknown (meshes are missing)"
-        if t.min_clearance is None
-        else f"{t.min_clearance:.3f} m" + (" (IN COLLISION)" if t.min_clearance <= 0 else "")
-    )
-    if t.arm_clearance is not None:
-        clearance += f", between the arms {t.arm_clearance:.3f} m"
-    units = task.index.units
-    lines = [
-        f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",
-        f"index        mean {t.mean_index:.4f}, over the arc length {t.arc_mean_index:.4f}, "
-        f"largest {t.max_index:.4f} {units}",
-        f"objective    {t.objective:.4f} with lambda {task.smoothness:g}",
-        f"pose error   {t.max_position_error:.1e} m, {t.max_rotation_error:.1e} rad",
-        f"bounds       violated by {t.max_bound_violation:.1e}, "
-        f"largest joint step {t.max_joint_step:.3f} (rad or m)",
-        f"clearance    {clearance}",
-        f"time         {t.timing.wall_s:.2f} s wall, {t.timing.cpu_s:.2f} s processor"
-        + (f", {t.timing.compile_s:.1f} s of it compiling" if t.timing.compile_s else ""),
-    ]
-    sentences = t.extra.get("evidence_text")
-    if sentences:
-        lines += ["evidence     " + str(sentences).replace("\n", "\n" + " " * 13)]
-    return "\n".join(lines)
+    """Return a label for each folder: its name, or as much of its path as tells it apart."""
+    full = [folder.resolve().parts for folder in folders]
+    found = []
+    for number, parts in enumerate(full, 1):
+        for depth in range(1, len(parts) + 1):
+            if sum(other[-depth:] == parts[-depth:] for other in full) == 1:
+                found.append("/".join(parts[-depth:]))
+                break
+        else:
+            found.append(f"{parts[-1]} ({number})")  # the same folder twice
+    return found

@@ -1,91 +1,91 @@
-"""Trajectory: the answer of a planner, with what was checked and where it came from.
+"""Trajectory: the answer of a planner, with what was checked at each point and where it came from.
 
-A result folder holds `result.json`, `trajectory.csv`, `trajectory.npz` and `task.yaml`; scripts
-rely on their keys and columns.
+Everything that draws, writes or compares takes a task and its trajectory, and reads what stands
+here. `verify` makes it, `folder` keeps it.
 """
 
 from __future__ import annotations
 
-import csv
-import io
-import json
-import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field
-from pathlib import Path
-from typing import Any
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
-from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.files.write import replacing, write_text
+from dualarm_pin.answer.evidence import Evidence
+from dualarm_pin.answer.provenance import Timing
+from dualarm_pin.arrays import Array, finite
+from dualarm_pin.errors import ShapeError
 
-Array = NDArray[np.float64]
-UNITS = {"angle": "rad", "length": "m", "time": "s"}
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
 
-
-@dataclass(frozen=True)
-class Timing:
-    """Seconds spent: wall clock, processor (workers included), compilation."""
-
-    wall_s: float = 0.0
-    cpu_s: float = 0.0
-    compile_s: float = 0.0
+Pair = tuple[str, str]
 
 
-@dataclass(frozen=True)
-class LawCount:
-    """What the starts of one law came to.
+@dataclass(frozen=True, eq=False)
+class Distances:
+    """The smallest distance at each point, and between which two links it lies.
 
     Attributes:
-        starts: How many were made.
-        converged: How many ended feasible and converged.
-        minima: How many distinct minima they found (by joints, then objective).
-        best_hits: How many ended in the best minimum of all laws.
-        singletons: Minima that one start alone led to.
-        twins: Other minima with the objective of the best, such as mirror images.
-        second_best: Lowest objective of another minimum; None if there is none.
-        last_improvement: Number of the start that first found the best, from 1; None if none did,
-            or the law does not number them.
+        distance: Smallest distance (h,) [m]; zero or less where the links touch.
+        pairs: The two links at each point; () in results of versions that did not keep them.
     """
 
-    starts: int
-    converged: int
-    minima: int
-    best_hits: int
-    singletons: int = 0
-    twins: int = 0
-    second_best: float | None = None
-    last_improvement: int | None = None
+    distance: Array
+    pairs: tuple[Pair, ...] = ()
+
+    def __post_init__(self) -> None:
+        if len(self.pairs) not in (0, len(self.distance)):
+            raise ShapeError(
+                f"a pair for each of {len(self.distance)} points is expected; "
+                f"given {len(self.pairs)}",
+                field="pairs",
+            )
+
+    @property
+    def least(self) -> float:
+        """The smallest distance on the path [m]."""
+        return float(np.min(self.distance))
+
+    @property
+    def closest(self) -> Pair | None:
+        """The two links between which it lies; None if they were not kept."""
+        return self.pairs[int(np.argmin(self.distance))] if self.pairs else None
+
+    @property
+    def touch(self) -> bool:
+        """Whether links touch somewhere: contact counts as collision."""
+        return self.least <= 0.0
 
 
-@dataclass(frozen=True)
-class Evidence:
-    """What is known about the optimum; null is what the effort did not cover.
+@dataclass(frozen=True, eq=False)
+class Checked:
+    """What the joints of a path come to, point by point, as `verify` computed it with Pinocchio.
 
     Attributes:
-        verdict: `local_only`, `best_known` or `best_known_bounded`.
-        laws: Counts by the name of the start law.
-        missed_share_95: A better optimum that these starts can reach draws less than this share
-            of them (95 %).
-        stationarity: Largest KKT residual of the polished answer.
-        curvature_min: Smallest eigenvalue of the reduced Hessian.
-        active_bounds: Number of joint bounds that hold the answer.
-        lower_bound: Estimated lower bound of the objective, re-checked.
-        gap: (objective - lower_bound) / objective.
-        details: Further figures by name; see `dualarm_pin.evidence`.
+        index: Index at each point (h,).
+        objective: Objective (19) over all points.
+        position_error: Distance to the wanted position (h,) [m].
+        rotation_error: Angle to the wanted rotation, or between tool axes with the spin free,
+            or 0 where only the position is asked for (h,) [rad].
+        bound_violation: Largest violation of a bound at each point (h,) [rad or m].
+        singular_value: Smallest singular value of J_r at each point (h,).
+        clearance: Over all pairs that must not touch; None if geometry is missing.
+        arm_clearance: Between the two arms: a wrist always sits close to its own forearm, so this
+            one tells more. None if geometry is missing.
+        found: All errors are within tolerance.
     """
 
-    verdict: str = "local_only"
-    laws: Mapping[str, LawCount] = field(default_factory=dict)
-    missed_share_95: float | None = None
-    stationarity: float | None = None
-    curvature_min: float | None = None
-    active_bounds: int | None = None
-    lower_bound: float | None = None
-    gap: float | None = None
-    details: Mapping[str, Any] = field(default_factory=dict)
+    index: Array
+    objective: float
+    position_error: Array
+    rotation_error: Array
+    bound_violation: Array
+    singular_value: Array
+    clearance: Distances | None
+    arm_clearance: Distances | None
+    found: bool
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,47 +96,59 @@ class Trajectory:
         q: Joints (h, n) in column order [rad or m].
         joints: Names of the columns, `arm1/<name>` and `arm2/<name>`.
         arc_length: Arc length of each point (h,) [m].
-        index: Index at each point (h,).
-        found: Every point passed our own check of pose and bounds.
+        checked: What our own check found at each point.
         method: Name of the planner.
         solver: Name of the solver.
-        objective: Objective (19) over all points.
-        arc_mean_index: Mean of the index over the arc length.
-        max_position_error: Largest position error [m].
-        max_rotation_error: Largest rotation error [rad].
-        max_bound_violation: Largest violation of a bound [rad or m].
-        max_joint_step: Largest step of one joint between neighbours [rad or m].
-        min_clearance: Smallest distance of the collision pairs [m]; None if geometry is missing.
-        clearance: Clearance at each point (h,) [m], or None.
         evidence: What is known about the optimum.
         timing: Seconds.
         seed: Seed of the starts.
         versions: Versions of the libraries that made the result.
         message: In one sentence: why it was not found, or what to know about it.
-        extra: Further figures of the method.
+        notes: What the method says of its own work, a record of `answer.notes` or of its own.
+
+    Raises:
+        ShapeError: The arrays do not belong together.
+        InputError: A joint or an arc length is not finite.
     """
 
     q: Array
     joints: tuple[str, ...]
     arc_length: Array
-    index: Array
-    found: bool
+    checked: Checked
     method: str
     solver: str
-    objective: float
-    arc_mean_index: float
-    max_position_error: float
-    max_rotation_error: float
-    max_bound_violation: float
-    max_joint_step: float
-    min_clearance: float | None = None
-    clearance: Array | None = None
     evidence: Evidence = field(default_factory=Evidence)
     timing: Timing = field(default_factory=Timing)
     seed: int | None = None
     versions: Mapping[str, str] = field(default_factory=dict)
     message: str = ""
-    extra: Mapping[str, Any] = field(default_factory=dict)
+    notes: DataclassInstance | None = None
+
+    def __post_init__(self) -> None:
+        h = len(self.q)
+        if np.size(self.q) == 0:
+            raise ShapeError("a trajectory has at least one point and one joint", field="q")
+        finite(self.q, "q", (h, len(self.joints)))
+        finite(self.arc_length, "arc_length", (h,))
+        for name, value in vars(self.checked).items():
+            array = value.distance if isinstance(value, Distances) else value
+            if np.ndim(array) > 0 and np.shape(array) != (h,):
+                raise ShapeError(f"({h},) is expected; given {np.shape(array)}", field=name)
+
+    @property
+    def found(self) -> bool:
+        """Whether every point passed our own check of pose and bounds."""
+        return self.checked.found
+
+    @property
+    def index(self) -> Array:
+        """Index at each point (h,)."""
+        return self.checked.index
+
+    @property
+    def objective(self) -> float:
+        """Objective (19) over all points."""
+        return self.checked.objective
 
     @property
     def mean_index(self) -> float:
@@ -144,137 +156,43 @@ class Trajectory:
         return float(np.mean(self.index))
 
     @property
+    def arc_mean_index(self) -> float:
+        """Mean of the index over the arc length, by trapezoids."""
+        s = self.arc_length
+        length = float(s[-1] - s[0])
+        return float(np.trapezoid(self.index, s)) / length if length > 0 else self.mean_index
+
+    @property
     def max_index(self) -> float:
         """Largest index on the path."""
         return float(np.max(self.index))
 
     @property
+    def max_position_error(self) -> float:
+        """Largest position error [m]."""
+        return float(np.max(self.checked.position_error))
+
+    @property
+    def max_rotation_error(self) -> float:
+        """Largest rotation error [rad]."""
+        return float(np.max(self.checked.rotation_error))
+
+    @property
+    def max_bound_violation(self) -> float:
+        """Largest violation of a bound [rad or m]."""
+        return float(np.max(self.checked.bound_violation))
+
+    @property
+    def max_joint_step(self) -> float:
+        """Largest step of one joint between neighbours [rad or m]."""
+        return float(np.max(np.abs(np.diff(self.q, axis=0)))) if len(self.q) > 1 else 0.0
+
+    @property
+    def min_clearance(self) -> float | None:
+        """Smallest distance of the pairs that must not touch [m]; None if geometry is missing."""
+        return None if self.checked.clearance is None else self.checked.clearance.least
+
+    @property
     def arm_clearance(self) -> float | None:
         """Smallest distance between the two arms on the path [m]; None if unknown."""
-        values = self.extra.get("arm_clearance")
-        return None if values is None else float(np.min(values))
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return the content of `result.json`; what is not a finite number becomes null."""
-        keys = (
-            "found method solver objective mean_index arc_mean_index max_index index "
-            "max_position_error max_rotation_error max_bound_violation max_joint_step "
-            "min_clearance clearance seed message"
-        )
-        result = {key: getattr(self, key) for key in keys.split()}
-        result["evidence"] = asdict(self.evidence)
-        result["timing"] = asdict(self.timing)
-        result |= {"versions": self.versions, "joints": self.joints, "units": UNITS}
-        result["extra"] = self.extra
-        clean = _plain(result)
-        assert isinstance(clean, dict)
-        return clean
-
-    def save(self, folder: str | Path) -> None:
-        """Write `result.json`, `trajectory.csv` and `trajectory.npz` into `folder`.
-
-        Each file appears whole or not at all, `result.json` last.
-
-        Raises:
-            InputError: The folder cannot be written.
-        """
-        folder = Path(folder)
-        write_text(folder / "trajectory.csv", self._csv())
-        with replacing(folder / "trajectory.npz") as temporary:
-            np.savez(
-                temporary,
-                q=self.q,
-                index=self.index,
-                arc_length=self.arc_length,
-                joints=np.array(self.joints, dtype=np.str_),
-            )
-        write_text(folder / "result.json", json.dumps(self.as_dict(), indent=1) + "\n")
-
-    @classmethod
-    def load(cls, folder: str | Path) -> Trajectory:
-        """Read a result folder.
-
-        Raises:
-            MissingFileError: It holds no result.
-            InputError: Its files do not fit together.
-        """
-        folder = Path(folder)
-        result = _read_json(folder / "result.json")
-        try:
-            with np.load(folder / "trajectory.npz", allow_pickle=False) as arrays:
-                q, index, arc_length = arrays["q"], arrays["index"], arrays["arc_length"]
-                joints = tuple(str(name) for name in arrays["joints"])
-        except FileNotFoundError as error:
-            raise MissingFileError("no such file", file=folder / "trajectory.npz") from error
-        except (OSError, ValueError, KeyError) as error:
-            raise InputError(
-                f"not a trajectory of this program: {error}", file=folder / "trajectory.npz"
-            ) from error
-        try:
-            evidence = dict(result["evidence"])
-            evidence["laws"] = {k: LawCount(**v) for k, v in evidence["laws"].items()}
-            clearance = result.get("clearance")
-            return cls(
-                q=q,
-                joints=joints,
-                arc_length=arc_length,
-                index=index,
-                clearance=None if clearance is None else np.asarray(clearance, dtype=float),
-                evidence=Evidence(**evidence),
-                timing=Timing(**result["timing"]),
-                **{
-                    key: _number(result[key])
-                    for key in (
-                        "found method solver objective arc_mean_index max_position_error "
-                        "max_rotation_error max_bound_violation max_joint_step"
-                    ).split()
-                },
-                min_clearance=result["min_clearance"],
-                seed=result["seed"],
-                versions=result["versions"],
-                message=result.get("message", ""),
-                extra=result.get("extra", {}),
-            )
-        except (KeyError, TypeError, AttributeError) as error:
-            raise InputError(
-                f"not a result of this program: {error}", file=folder / "result.json"
-            ) from error
-
-    def _csv(self) -> str:
-        text = io.StringIO()
-        writer = csv.writer(text, lineterminator="\n")
-        writer.writerow(["point", "arc_length", *self.joints, "index"])
-        for i, (s, q, c) in enumerate(zip(self.arc_length, self.q, self.index, strict=True), 1):
-            writer.writerow([i, *(repr(float(x)) for x in (s, *q, c))])
-        return text.getvalue()
-
-
-def _read_json(file: Path) -> dict[str, Any]:
-    try:
-        result = json.loads(file.read_text(encoding="utf-8"))
-    except OSError as error:
-        raise MissingFileError(
-            "no result here: give the folder that `solve --out` wrote", file=file
-        ) from error
-    except ValueError as error:
-        raise InputError(f"not JSON: {error}", file=file) from error
-    if not isinstance(result, dict):
-        raise InputError("not a result of this program", file=file)
-    return result
-
-
-def _number(value: Any) -> Any:
-    return math.nan if value is None else value
-
-
-def _plain(value: Any) -> Any:
-    """Return JSON values; NaN and infinity do not exist there and become null."""
-    if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, np.ndarray | list | tuple):
-        return [_plain(v) for v in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+        return None if self.checked.arm_clearance is None else self.checked.arm_clearance.least

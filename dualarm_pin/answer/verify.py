@@ -1,59 +1,80 @@
 """The check that decides `found`: every point of the path, evaluated with Pinocchio.
 
-Never a solver's flag: pose errors, bounds and clearance are computed anew from the joints.
+Never a solver's flag: pose errors, bounds and distances are computed anew from the joints, once,
+and every page and table shows these figures.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.answer.evidence import Evidence
+from dualarm_pin.answer.provenance import Timing, versions
+from dualarm_pin.answer.trajectory import Checked, Distances, Trajectory
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, ShapeError
-from dualarm_pin.reference import index_value
+from dualarm_pin.reference import coupling, index_value
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE, Tolerance
 
 if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
     from dualarm_pin.task import Task
 
-Array = NDArray[np.float64]
 
+def verified(
+    task: Task,
+    q: Array,
+    *,
+    method: str,
+    solver: str,
+    timing: Timing | None = None,
+    seed: int | None = None,
+    evidence: Evidence | None = None,
+    message: str = "",
+    notes: DataclassInstance | None = None,
+) -> Trajectory:
+    """Return joints q (h, n) as the answer to a task, checked: what every planner ends with.
 
-@dataclass(frozen=True, eq=False)
-class Verification:
-    """What the joints of a path come to.
+    Args:
+        task: What was asked.
+        q: Joints at every point of the path (h, n).
+        method: Name of the planner.
+        solver: Name of the solver.
+        timing: Seconds spent.
+        seed: Seed of the starts.
+        evidence: What is known about the optimum.
+        message: What to know about it; by default why it is not found, if it is not.
+        notes: What the method says of its own work: a record of `answer.notes`, or any dataclass
+            of JSON values.
 
-    Attributes:
-        index: Index at each point (h,).
-        position_error: Distance to the wanted position (h,) [m].
-        rotation_error: Angle to the wanted rotation, or between tool axes with the spin free,
-            or 0 where only the position is asked for (h,) [rad].
-        bound_violation: Largest violation of a bound at each point (h,) [rad or m].
-        clearance: Smallest distance of the collision pairs (h,) [m], or None.
-        arm_clearance: Smallest distance between the arms (h,) [m], or None: a wrist always sits
-            close to its own forearm, so this one tells more.
-        smallest_singular_value: Of J_r at each point (h,).
-        max_joint_step: Largest step of one joint between neighbours [rad or m].
-        found: All errors are within tolerance.
+    Raises:
+        ShapeError: q does not have a row for each point and a column for each joint.
+        InputError: A joint is NaN or infinite.
     """
-
-    index: Array
-    position_error: Array
-    rotation_error: Array
-    bound_violation: Array
-    clearance: Array | None
-    arm_clearance: Array | None
-    smallest_singular_value: Array
-    max_joint_step: float
-    found: bool
+    checked = verify(task, q)
+    return Trajectory(
+        q=q,
+        joints=task.cell.joint_names,
+        arc_length=task.path.arc_length,
+        checked=checked,
+        method=method,
+        solver=solver,
+        evidence=evidence or Evidence(),
+        timing=timing or Timing(),
+        seed=seed,
+        versions=versions(),
+        message=message or _why_not(checked),
+        notes=notes,
+    )
 
 
 def verify(
     task: Task, q: Array, tolerance: Tolerance = TOLERANCE, *, clearance: bool = True
-) -> Verification:
+) -> Checked:
     """Evaluate joints q (h, n) against what the task asks for.
 
     Args:
@@ -89,47 +110,49 @@ def verify(
     )
     rotation_error = np.array(
         [
-            rotation_distance(R, point.T_e1_e2.rotation, int(rows), path.spin_axis)
+            _rotation_distance(R, point.T_e1_e2.rotation, int(rows), path.spin_axis)
             for R, point, rows in zip(path.rotation, points, path.rows, strict=True)
         ]
     )
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
-    step = float(np.max(np.abs(np.diff(q, axis=0)))) if len(q) > 1 else 0.0
-    return Verification(
+    return Checked(
         index=index,
+        objective=float(np.sum(index)) + coupling(task.problem(), q)[0],
         position_error=position_error,
         rotation_error=rotation_error,
         bound_violation=violation,
-        clearance=distances(task, q) if clearance else None,
-        arm_clearance=distances(task, q, between_arms=True) if clearance else None,
-        smallest_singular_value=np.array(
+        singular_value=np.array(
             [np.linalg.svd(point.J_r, compute_uv=False)[-1] for point in points]
         ),
-        max_joint_step=step,
+        clearance=_distances(task, q) if clearance else None,
+        arm_clearance=_distances(task, q, between_arms=True) if clearance else None,
         found=bool(np.all(position_error <= tolerance.position))
         and bool(np.all(rotation_error <= tolerance.rotation))
         and bool(np.all(violation <= tolerance.bound)),
     )
 
 
-def distances(task: Task, q: Array, *, between_arms: bool = False) -> Array | None:
-    """Return the smallest distance at every point (h,) [m], or None where it is not known.
+def _distances(task: Task, q: Array, *, between_arms: bool = False) -> Distances | None:
+    """Return the smallest distance at every point, or None where it is not known.
 
     Convex hulls are compared first; they never say more than there is. Where they touch, the
     meshes themselves decide.
     """
-    least = []
+    nearest = []
     for q_i in q:
         clearance = task.cell.clearance(q_i, between_arms=between_arms)
         if clearance is not None and clearance.distance <= 0.0:
             clearance = task.cell.clearance(q_i, between_arms=between_arms, exact=True)
         if clearance is None:
             return None
-        least.append(clearance.distance)
-    return np.array(least)
+        nearest.append(clearance)
+    return Distances(
+        np.array([each.distance for each in nearest]),
+        tuple((each.first, each.second) for each in nearest),
+    )
 
 
-def rotation_distance(wanted: Array, given: Array, rows: int, spin_axis: Array) -> float:
+def _rotation_distance(wanted: Array, given: Array, rows: int, spin_axis: Array) -> float:
     """Return the angle that counts for the pose rows asked for [rad]."""
     if rows == 3:
         return 0.0
@@ -142,3 +165,14 @@ def rotation_distance(wanted: Array, given: Array, rows: int, spin_axis: Array) 
         [error[2, 1] - error[1, 2], error[0, 2] - error[2, 0], error[1, 0] - error[0, 1]]
     )
     return float(np.arctan2(np.linalg.norm(twice_sine), np.trace(error) - 1.0))
+
+
+def _why_not(checked: Checked) -> str:
+    if checked.found:
+        return ""
+    worst = int(np.argmax(checked.position_error + checked.rotation_error))
+    return (
+        f"not verified: point {worst + 1} is {checked.position_error[worst]:.2g} m and "
+        f"{checked.rotation_error[worst]:.2g} rad from the path, largest bound violation "
+        f"{float(np.max(checked.bound_violation)):.2g}"
+    )

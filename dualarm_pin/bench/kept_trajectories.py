@@ -8,8 +8,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+from dualarm_pin.answer.folder import save_trajectory
 from dualarm_pin.bench.run import Outcome, Run, digest
-from dualarm_pin.files.write import write_text
 
 Problem = tuple[str, str]
 
@@ -61,9 +61,7 @@ class Keeper:
 
     def _write(self, folder: Path, outcome: Outcome) -> None:
         assert outcome.trajectory is not None  # asked for by the caller
-        if outcome.task_file is not None:
-            write_text(folder / "task.yaml", outcome.task_file)
-        outcome.trajectory.save(folder)
+        save_trajectory(folder, outcome.trajectory, outcome.task_file)
 
 
 def best_folder(folder: Path, problem: Problem) -> Path:

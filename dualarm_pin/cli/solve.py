@@ -38,7 +38,8 @@ def solve(
         set_: Change a field of the task or cell: key=value, such as smoothness=30.
         out: Folder of the result; results/TASK-METHOD by default.
     """
-    from dualarm_pin.answer.folder import save_result, summary
+    from dualarm_pin.answer.folder import save_result
+    from dualarm_pin.answer.summary import summary
     from dualarm_pin.planners.methods import plan
     from dualarm_pin.task import Task
 

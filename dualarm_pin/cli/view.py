@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from pathlib import Path
 from typing import Annotated
 
@@ -28,17 +27,17 @@ def view(
         port: Port of the local page; a free one by default.
         browser: Open the page in the browser.
     """
-    from dualarm_pin.answer.folder import load_result
-    from dualarm_pin.show import report_page, result_of, serve, write_report
+    from dualarm_pin.answer.folder import labels, load_result
+    from dualarm_pin.show import report_page, serve, write_report
 
     if not results:
         raise InputError("name at least one result folder", field="RESULT_DIR")
-    loaded = [
-        result_of(label, *load_result(folder))
-        for label, folder in zip(_labels(results), results, strict=True)
-    ]
-    title = loaded[0].path.name if len(loaded) == 1 else f"{len(loaded)} results"
-    title = f"{loaded[0].cell.name}: {title}"
+    loaded = {
+        label: load_result(folder) for label, folder in zip(labels(results), results, strict=True)
+    }
+    first, _ = next(iter(loaded.values()))
+    title = first.path.name if len(loaded) == 1 else f"{len(loaded)} results"
+    title = f"{first.cell.name}: {title}"
     if html is not None:
         write_report(html, loaded, title=title)
         print(f"written to {html}")
@@ -50,10 +49,3 @@ def view(
         ready=lambda address: print(f"{address} (Ctrl-C ends it)", flush=True),
     )
     return DONE
-
-
-def _labels(folders: tuple[Path, ...]) -> list[str]:
-    """Return the names of the folders, with their parents where names repeat."""
-    count = Counter(folder.resolve().name for folder in folders)
-    full = [folder.resolve() for folder in folders]
-    return [f.name if count[f.name] == 1 else f"{f.parent.name}/{f.name}" for f in full]

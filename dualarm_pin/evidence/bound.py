@@ -9,61 +9,15 @@ the sum too high. So every piece is searched anew, widely, and only that value i
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 
-import numpy as np
-from numpy.typing import NDArray
-
+from dualarm_pin.answer.evidence import Bound, LocalCheck
+from dualarm_pin.arrays import Array
 from dualarm_pin.evidence.ascent import Ascent, BoundOptions
-from dualarm_pin.evidence.check import LocalCheck, check_minimum
+from dualarm_pin.evidence.check import check_minimum
 from dualarm_pin.evidence.pieces import Cuts, cut_sets
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-
-Array = NDArray[np.float64]
-
-
-@dataclass(frozen=True, eq=False)
-class Bound:
-    """A lower bound under one condition: no piece search missed a minimum.
-
-    Attributes:
-        value: The bound, after the wide search of every piece.
-        objective: Objective of the incumbent it is compared with.
-        cuts: Points, from 0, where the path was cut; () if it was searched whole.
-        starts: Starts of the wide search of each piece.
-        hits: How many of them ended at the piece's minimum.
-        seconds: Wall time.
-        tried: Re-checked value by set of cuts; those that were given up are left out.
-        better: A better path (k, n) found on the way, polished; None if there was none.
-        replaced: Objective of the incumbent before a better path took its place; None if none did.
-        complete: False if Ctrl-C ended it early.
-    """
-
-    value: float
-    objective: float
-    cuts: Cuts
-    starts: tuple[int, ...]
-    hits: tuple[int, ...]
-    seconds: float = 0.0
-    tried: dict[Cuts, float] = field(default_factory=dict)
-    better: Array | None = None
-    replaced: float | None = None
-    complete: bool = True
-
-    @property
-    def pieces(self) -> int:
-        """Number of pieces."""
-        return len(self.cuts) + 1
-
-    @property
-    def gap(self) -> float:
-        """(objective - value) / objective."""
-        return max(0.0, self.objective - self.value) / max(abs(self.objective), 1e-12)
-
-    def against(self, objective: float) -> Bound:
-        """Return the same bound compared with the better path that it found."""
-        return replace(self, objective=objective, better=None, replaced=self.objective)
 
 
 def lower_bound(
@@ -74,7 +28,7 @@ def lower_bound(
     jobs: int | None = None,
     progress: Progress = SILENT,
     options: BoundOptions | None = None,
-) -> Bound | None:
+) -> tuple[Bound | None, Array | None]:
     """Estimate a lower bound of the objective over all paths.
 
     Args:
@@ -86,8 +40,8 @@ def lower_bound(
         options: How far to go.
 
     Returns:
-        The highest re-checked value of the sets of cuts that were tried. None if Ctrl-C came
-        before the first re-check.
+        The highest re-checked value of the sets of cuts that were tried, None if Ctrl-C came
+        before the first re-check; a better path (k, n) found on the way, polished, or None.
     """
     options = options or BoundOptions()
     begun = time.perf_counter()
@@ -114,41 +68,46 @@ def lower_bound(
     except KeyboardInterrupt:
         complete = False
     if best is None:
-        return None
-    return replace(
+        return None, better
+    bound = replace(
         best,
         objective=incumbent,
         seconds=time.perf_counter() - begun,
         tried=tried,
-        better=better,
+        found_better=better is not None,
         complete=complete,
     )
+    return bound, better
 
 
 def bound_minimum(
     problem: Problem,
+    q: Array,
     local: LocalCheck,
     *,
     seed: int,
     jobs: int | None = None,
     progress: Progress = SILENT,
     options: BoundOptions | None = None,
-) -> tuple[LocalCheck, Bound | None]:
+) -> tuple[Array, LocalCheck, Bound | None]:
     """Bound a checked path, and put the better one in its place if the bound finds one.
 
     Args:
         problem: The problem.
-        local: The check of the incumbent.
+        q: The incumbent (k, n).
+        local: Its check.
         seed: Seed of the searches.
         jobs: Threads; None takes the processors there are.
         progress: Told where the work stands.
         options: How far to go.
 
     Returns:
-        The check of the path that is now best, and the bound, if Ctrl-C left one.
+        The path (k, n) that is now best, its check, and the bound, if Ctrl-C left one.
     """
-    bound = lower_bound(problem, local.q, seed=seed, jobs=jobs, progress=progress, options=options)
-    if bound is None or bound.better is None:
-        return local, bound
-    local = check_minimum(problem, bound.better, seed=seed, jobs=jobs)
-    return local, bound.against(local.objective)
+    bound, better = lower_bound(
+        problem, q, seed=seed, jobs=jobs, progress=progress, options=options
+    )
+    if bound is None or better is None:
+        return q, local, bound
+    q, local = check_minimum(problem, better, seed=seed, jobs=jobs)
+    return q, local, replace(bound, objective=local.objective, replaced=bound.objective)

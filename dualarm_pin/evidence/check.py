@@ -5,13 +5,12 @@ It shows a strict local minimum, within floating point, and nothing beyond its o
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.answer.evidence import LocalCheck
 from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import Stationarity, stationarity
 from dualarm_pin.problem import Problem
@@ -27,80 +26,12 @@ Array = NDArray[np.float64]
 
 RETURNS = 20
 SHIFTS = (0.2, 0.1, 0.05, 0.02)
-_STATIONARY = 1e-6
-_FLAT = 1e-7
 _MOST_ADOPTIONS = 5
 
 
-@dataclass(frozen=True, eq=False)
-class LocalCheck:
-    """What the neighbourhood of a path says; every figure is recomputed with Pinocchio.
-
-    Attributes:
-        q: The polished path (k, n), or a better one that a nearby start led to.
-        objective: Objective there.
-        feasibility: Largest pose residual.
-        stationarity: Largest KKT residual, with least-squares multipliers.
-        min_multiplier: Smallest multiplier of an active bound; None if none is active.
-        n_active: Active bounds.
-        curvature_min: Smallest eigenvalue of the reduced Hessian on the free directions; None
-            if there are none.
-        free_directions: Their number.
-        sigma_min: Smallest singular value of the free pose Jacobian of any point.
-        return_radius: Largest tested shift per point from which all re-solves came back
-            [rad]; None if there is none.
-        return_share: Share of the re-solves from the largest shift that came back.
-        adopted: How often a nearby start found a better path, which then became `q`.
-        limit_cost: Multipliers summed by joint: what the objective would fall by at first, per
-            rad (or m) that its limits give way.
-    """
-
-    q: Array
-    objective: float
-    feasibility: float
-    stationarity: float
-    min_multiplier: float | None
-    n_active: int
-    curvature_min: float | None
-    free_directions: int
-    sigma_min: float
-    return_radius: float | None
-    return_share: float
-    adopted: int = 0
-    limit_cost: Mapping[str, float] = field(default_factory=dict)
-
-    @property
-    def stationary(self) -> bool:
-        """Whether the first-order conditions hold."""
-        return (
-            self.feasibility <= TOLERANCE.position
-            and self.stationarity <= _STATIONARY * max(1.0, abs(self.objective))
-            and (self.min_multiplier is None or self.min_multiplier >= -_STATIONARY)
-        )
-
-    @property
-    def minimum(self) -> bool:
-        """Whether it is stationary and no free direction leads down."""
-        return self.stationary and (self.curvature_min is None or self.curvature_min >= -_FLAT)
-
-    @property
-    def strict(self) -> bool:
-        """Whether it is a minimum and every free direction leads up."""
-        return self.minimum and (self.curvature_min is None or self.curvature_min > _FLAT)
-
-    @property
-    def near_singular(self) -> bool:
-        """Whether some point is nearly singular with its active joints held."""
-        return self.sigma_min < TOLERANCE.singular
-
-    @property
-    def costliest_joint(self) -> str | None:
-        """The joint whose limits cost most; None if no bound is active."""
-        name = max(self.limit_cost, key=lambda key: self.limit_cost[key], default=None)
-        return name if name is not None and self.limit_cost[name] > 0.0 else None
-
-
-def check_minimum(problem: Problem, q: Array, *, seed: int, jobs: int | None = None) -> LocalCheck:
+def check_minimum(
+    problem: Problem, q: Array, *, seed: int, jobs: int | None = None
+) -> tuple[Array, LocalCheck]:
     """Polish a path and check it independently of the solver.
 
     Args:
@@ -110,7 +41,7 @@ def check_minimum(problem: Problem, q: Array, *, seed: int, jobs: int | None = N
         jobs: Threads; None takes the processors there are.
 
     Returns:
-        The check of the polished path; of a better one if a nearby start led there.
+        The polished path (k, n), or a better one that a nearby start led to; its check.
     """
     q = polished(problem, q)
     best = problem.objective(q)
@@ -124,19 +55,18 @@ def check_minimum(problem: Problem, q: Array, *, seed: int, jobs: int | None = N
     first = stationarity(problem, q)
     curvature, directions = curvature_min(problem, q, first)
     cost = np.sum(first.bound_multipliers, axis=0)
-    return LocalCheck(
-        q=q,
+    return q, LocalCheck(
         objective=float(first.objective),
         feasibility=first.residual,
         stationarity=first.stationarity,
         min_multiplier=first.min_multiplier,
-        n_active=int(np.count_nonzero(first.active)),
+        active_bounds=int(np.count_nonzero(first.active)),
         curvature_min=curvature,
         free_directions=directions,
         sigma_min=_sigma_min(first),
         return_radius=radius,
         return_share=share,
-        adopted=adopted,
+        adopted_from_nearby=adopted,
         limit_cost=dict(zip(problem.cell.joint_names, cost.tolist(), strict=True)),
     )
 

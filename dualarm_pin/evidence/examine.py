@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualarm_pin.answer.trajectory import Evidence
+from dualarm_pin.answer.evidence import Evidence
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.evidence.bound import bound_minimum
 from dualarm_pin.evidence.check import check_minimum
@@ -26,7 +26,7 @@ def examine(
     seed: int = 0,
     jobs: int | None = None,
     progress: Progress = SILENT,
-) -> tuple[Evidence, str]:
+) -> Evidence:
     """Say what is known about a path, without any starts of the laws.
 
     Args:
@@ -38,8 +38,7 @@ def examine(
         progress: Told where the work stands.
 
     Returns:
-        The evidence of the polished path, or of a better one found on the way, and three
-        sentences.
+        The evidence of the polished path, or of a better one found on the way.
 
     Raises:
         ShapeError: q has another shape.
@@ -47,8 +46,10 @@ def examine(
     path = np.array(q, dtype=float)
     if path.shape != (problem.k, problem.n):
         raise ShapeError(f"expected shape {(problem.k, problem.n)}, given {path.shape}", field="q")
-    local = check_minimum(problem, path, seed=seed, jobs=jobs)
+    path, local = check_minimum(problem, path, seed=seed, jobs=jobs)
     found = None
     if bound:
-        local, found = bound_minimum(problem, local, seed=seed, jobs=jobs, progress=progress)
+        _, local, found = bound_minimum(
+            problem, path, local, seed=seed, jobs=jobs, progress=progress
+        )
     return conclude(Findings(local=local, bound=found))

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.trajectory import LawCount
+from dualarm_pin.answer.evidence import LawCount
 from dualarm_pin.search import anchored, whole_path
 from dualarm_pin.search.anchored import AnchoredSearch
 from dualarm_pin.search.whole_path import WholePathSearch
@@ -99,27 +99,3 @@ def missed_share(laws: dict[str, LawCount]) -> float | None:
     """
     counts = [law.starts for law in laws.values() if law.starts]
     return 1.0 - 0.05 ** (1.0 / min(counts)) if len(counts) == 2 else None
-
-
-def unseen_share(law: LawCount) -> float | None:
-    """Return the Good-Turing share of starts that would end in a minimum not seen yet.
-
-    It is about minima of any quality: 1 % unseen is no statement about better ones.
-    """
-    return law.singletons / law.converged if law.converged else None
-
-
-def expected_better(law: LawCount) -> float | None:
-    """Return a rough, by experience high, number of better minima that were not seen.
-
-    With W minima in N starts, W (N - 1) / (N - W - 2) minima exist in the mean (Boender and
-    Rinnooy Kan); if unseen ones are like seen ones, each beats the record with 1 / (W + 1).
-
-    Returns:
-        At most 1; None where N <= W + 2 says nothing.
-    """
-    found, n = law.minima, law.converged
-    if found == 0 or n <= found + 2:
-        return None
-    exist = found * (n - 1) / (n - found - 2)
-    return float(min(1.0, (exist - found) / (found + 1)))

@@ -6,21 +6,15 @@ Words that claim more than was checked have no place here; a test holds the list
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING
 
-from dualarm_pin.answer.trajectory import LawCount
+from dualarm_pin.answer.evidence import Bound, LawCount, LocalCheck
 from dualarm_pin.evidence.laws import LEAST_HITS, LEAST_STARTS
-
-if TYPE_CHECKING:
-    from dualarm_pin.evidence.bound import Bound
-    from dualarm_pin.evidence.check import LocalCheck
 
 STOPPING_RULE = (
     f"stop when both ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
     f"published number), end at the same best path, and each found it at least {LEAST_HITS} "
     "times; if the bound is requested, go on until the gap is under 0.1 % or the budget ends"
 )
-CONDITION = "valid as far as no piece search missed a minimum"
 
 
 def starts(laws: Mapping[str, LawCount], agree: bool, missed: float | None) -> str:
@@ -61,12 +55,19 @@ def bound(bound: Bound, closed: float) -> str:
     split = (
         f"Splitting into {bound.pieces} pieces" if bound.pieces > 1 else "Searching it anew whole"
     )
+    if bound.contradicted:
+        return (
+            f"{split}: the value {bound.value:.6g} lies above this very path (gap "
+            f"{_percent(bound.gap)}), so a {'piece ' if bound.pieces > 1 else ''}search ({each}, "
+            f"minimum hit {times} times) missed a minimum, or the bound is wrong: it "
+            "bounds nothing."
+        )
     text = (
         f"{split}: no better path can exist below {bound.value:.6g} (gap {_percent(bound.gap)}) "
         f"unless a {'piece ' if bound.pieces > 1 else ''}search ({each}, minimum hit {times} "
         "times) missed a minimum"
     )
-    if bound.better is not None:
+    if bound.beaten:
         return f"{text}, and a better path was found on the way."
     if not bound.complete:
         return f"{text}; the work was cut short."
@@ -90,7 +91,7 @@ def local(check: LocalCheck) -> str:
             f"(curvature {check.curvature_min:.1e})."
         )
     kind = "Strict local minimum" if check.strict else "Local minimum, flat in some direction"
-    parts = [kind, f"{check.n_active} joint limits active"]
+    parts = [kind, f"{check.active_bounds} joint limits active"]
     if check.costliest_joint is not None:
         parts.append(f"{check.costliest_joint} costs most")
     if check.return_share < 1.0:

@@ -15,8 +15,10 @@ import numpy as np
 import quadprog
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.notes import LocalNotes
+from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.planners.unreachable import feasible_postures, unreachable
 from dualarm_pin.problem import Problem
@@ -93,18 +95,18 @@ def plan_local(
     for i in range(1, problem.k):
         q.append(_interval(problem, walk, i, q[-1], gain, substeps, step, report))
         progress.advance()
-    return finish(
+    return verified(
         task,
         np.array(q),
         method="local",
         solver=f"pseudo-inverse-{variant}",
         timing=clock.read(),
         seed=seed,
-        extra={
-            "k0": k0,
-            "damped_at": sorted(set(report.damped)),
-            "infeasible_at": sorted(set(report.infeasible)),
-        },
+        notes=LocalNotes(
+            k0=k0,
+            damped_at=tuple(sorted(set(report.damped))),
+            infeasible_at=tuple(sorted(set(report.infeasible))),
+        ),
     )
 
 

@@ -13,8 +13,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.finish import Clock, finish
-from dualarm_pin.answer.trajectory import Evidence, LawCount, Trajectory
+from dualarm_pin.answer.evidence import Evidence, LawCount
+from dualarm_pin.answer.notes import CasadiNotes, PinkNotes
+from dualarm_pin.answer.provenance import Clock
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.planners.local import best_first_posture
 from dualarm_pin.planners.unreachable import unreachable
@@ -67,7 +70,7 @@ def plan_casadi(
     values = np.array([end.objective for end in feasible if end.converged])
     best_hits = int(np.sum(values <= best.objective * (1.0 + 1e-5)))
     law = LawCount(starts, len(values), len(np.unique(np.round(values, 4))), best_hits)
-    return finish(
+    return verified(
         task,
         best.q,
         method="casadi",
@@ -75,7 +78,7 @@ def plan_casadi(
         timing=clock.read(),
         seed=seed,
         evidence=Evidence(laws={"whole path": law}),
-        extra={"build_s": programme.build_s, "solve_s": [end.wall_s for end in ends]},
+        notes=CasadiNotes(build_s=programme.build_s, solve_s=tuple(end.wall_s for end in ends)),
     )
 
 
@@ -120,14 +123,14 @@ def plan_pink(
             gave_way.append(i + 1)
         q.append(project_point(problem, i, at)[0])
         progress.advance()
-    return finish(
+    return verified(
         task,
         np.array(q),
         method="pink",
         solver="relative-frame",
         timing=clock.read(),
         seed=seed,
-        extra={"manipulability": manipulability, "infeasible_at": gave_way},
+        notes=PinkNotes(manipulability=manipulability, infeasible_at=tuple(gave_way)),
     )
 
 

@@ -16,8 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.finish import Clock, finish
-from dualarm_pin.answer.trajectory import Evidence, LawCount, Trajectory
+from dualarm_pin.answer.evidence import Evidence, LawCount
+from dualarm_pin.answer.notes import TwoStageNotes
+from dualarm_pin.answer.provenance import Clock
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
@@ -111,7 +114,7 @@ def plan_two_stage(
         if not paths:
             return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
         law = LawCount(starts, feasible, len(minima), int(minima.hits[0]))
-        return finish(
+        return verified(
             task,
             paths[0][2],
             method="two-stage",
@@ -119,12 +122,12 @@ def plan_two_stage(
             timing=clock.read(workers_cpu_s=pool.cpu_s),
             seed=seed,
             evidence=Evidence(laws={"stage 1": law}),
-            extra={
-                "Gamma": [point + 1 for point in Gamma],
-                "stage_1_objective": float(minima.ends.objective[0]),
-                "basins": len(candidates),
-                "interrupted": pool.interrupted,
-            },
+            notes=TwoStageNotes(
+                Gamma=tuple(point + 1 for point in Gamma),
+                stage_1_objective=float(minima.ends.objective[0]),
+                basins=len(candidates),
+                interrupted=pool.interrupted,
+            ),
         )
     finally:
         if own:

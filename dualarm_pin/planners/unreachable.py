@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import generator
 from dualarm_pin.solvers.projection import project_point
@@ -70,7 +71,7 @@ def unreachable(
             "every point can be reached by itself, but no start reached all of them; "
             "try more starts"
         )
-    return finish(
+    return verified(
         task,
         np.array(q),
         method=method,

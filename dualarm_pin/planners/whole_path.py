@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.finish import Clock, finish
+from dualarm_pin.answer.notes import GlobalNotes, PolishNotes
+from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.evidence.laws import count_laws, laws_suffice
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
@@ -90,8 +92,8 @@ def plan_global(
         budget = replace(budget, starts=starts if budget.starts else 0, most_starts=starts)
         budget = replace(budget, postures=max(1, min(budget.postures, starts)))
     problem = task.problem()
-    compile_s = engine.ensure_compiled(progress.line)
     clock = Clock.start()
+    compile_s = engine.ensure_compiled(progress.line)
     search = _Search(problem, budget, seed, jobs, progress)
     interrupted = _until_ctrl_c(search.run)
     best = search.best()
@@ -99,29 +101,28 @@ def plan_global(
         raise KeyboardInterrupt  # nothing is finished that could be kept
     if best is None:
         return unreachable(task, "global", engine.NAME, seed, clock)
-    local = check_minimum(problem, best, seed=seed, jobs=jobs)
+    q, local = check_minimum(problem, best, seed=seed, jobs=jobs)
     bound = None
     if budget.bound and not interrupted:
         from dualarm_pin.evidence.bound import bound_minimum
 
         # The pieces may show a better path: then that is the answer, with counts of its own.
-        local, bound = bound_minimum(problem, local, seed=seed, jobs=jobs, progress=progress)
+        q, local, bound = bound_minimum(problem, q, local, seed=seed, jobs=jobs, progress=progress)
     findings = Findings(
         local=local,
-        laws=count_laws(search.anchored, search.whole, local.q),
-        agree=search.agree(local.q),
+        laws=count_laws(search.anchored, search.whole, q),
+        agree=search.agree(q),
         bound=bound,
     )
-    evidence, sentences = conclude(findings)
-    return finish(
+    return verified(
         task,
-        local.q,
+        q,
         method="global",
         solver=engine.NAME,
         timing=clock.read(compile_s),
         seed=seed,
-        evidence=evidence,
-        extra={"evidence_text": sentences, "effort": effort, "interrupted": interrupted},
+        evidence=conclude(findings),
+        notes=GlobalNotes(effort=effort, interrupted=interrupted),
     )
 
 
@@ -132,18 +133,18 @@ def polish(task: Task, q: Array, *, seed: int | None = None) -> Trajectory:
         The minimum of the basin of q, or q itself if the solver did not do better.
     """
     problem = task.problem()
-    compile_s = engine.ensure_compiled()
     clock = Clock.start()
+    compile_s = engine.ensure_compiled()
     end = engine.solve(problem, q)
     better = end.feasible and end.objective <= problem.objective(q)
-    return finish(
+    return verified(
         task,
         end.q if better else q,
         method="polish",
         solver=engine.NAME,
         timing=clock.read(compile_s),
         seed=seed,
-        extra={"improved": better},
+        notes=PolishNotes(improved=better),
     )
 
 

@@ -9,7 +9,7 @@ from functools import cache
 from pathlib import Path
 
 from dualarm_pin.errors import MissingFileError
-from dualarm_pin.show.binary import squeeze
+from dualarm_pin.show.packing import squeeze
 
 _WEB = Path(__file__).with_name("web")
 _PLAYER = (

@@ -1,46 +1,55 @@
-"""The report as one page."""
+"""The report: one or several results on one page, with plots, tables and the robots in motion."""
 
 from __future__ import annotations
 
 import pathlib
-from collections.abc import Sequence
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.errors import InputError
 from dualarm_pin.files.write import write_bytes
 from dualarm_pin.show.page import render_page
-from dualarm_pin.show.report_result import Result
-from dualarm_pin.show.report_tables import tables_of
-from dualarm_pin.show.scene import Run, Scene
+from dualarm_pin.show.report_tables import tables_of, units_of
+from dualarm_pin.show.scene import Scene
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
 
 
-def report_page(results: Sequence[Result], *, title: str = "dualarm_pin report") -> bytes:
+def report_page(
+    results: Mapping[str, tuple[Task, Trajectory]], *, title: str = "dualarm_pin report"
+) -> bytes:
     """Return the report as one page that needs no network.
 
     Raises:
-        InputError: There is no result, or one is not finite.
-        ShapeError: The arrays of a result do not fit its cell or path.
+        InputError: There is no result.
+        ShapeError: A trajectory does not fit its task.
     """
     if not results:
         raise InputError("there is no result to report", field="results")
     scene = Scene()
-    for result in results:
-        run = scene.add_run(result.cell, result.path, Run(result.label, result.q, result.index))
-        for name in ("clearance", "between_arms", "singular_value"):
-            values = getattr(result, name)
-            if values is not None and np.shape(values) != (result.path.h,):
-                raise ShapeError(
-                    f"result {result.label!r}: ({result.path.h},) is expected; "
-                    f"given {np.shape(values)}",
-                    field=name,
-                )
-            run[name] = None if values is None else scene.blob.add(values)
-        run |= {"quantity": result.quantity, "units": result.units, "task": result.task}
-        run["found"] = result.summary.get("found")
+    for label, (task, trajectory) in results.items():
+        checked = trajectory.checked
+        run = scene.add(label, task, trajectory)
+        for name, distances in (
+            ("clearance", checked.clearance),
+            ("between_arms", checked.arm_clearance),
+        ):
+            run[name] = None if distances is None else scene.blob.add(distances.distance)
+        unknown = np.isnan(checked.singular_value).all()
+        run |= {
+            "singular_value": None if unknown else scene.blob.add(checked.singular_value),
+            "quantity": f"index: {task.index.name}",
+            "units": units_of(task),
+            "task": task.as_yaml() if task.record is not None else "",
+            "found": trajectory.found,
+        }
     scene.head["title"] = title
     scene.head["results"] = [
-        {"title": name, "rows": rows} for name, rows in tables_of(results).items()
+        {"title": name, "rows": rows} for name, rows in tables_of(list(results.values())).items()
     ]
     return render_page(
         title, scene.pack(), body="report.html", scripts=("report.js",), styles=("report.css",)
@@ -48,17 +57,20 @@ def report_page(results: Sequence[Result], *, title: str = "dualarm_pin report")
 
 
 def write_report(
-    file: str | pathlib.Path, results: Sequence[Result], *, title: str = "dualarm_pin report"
+    file: str | pathlib.Path,
+    results: Mapping[str, tuple[Task, Trajectory]],
+    *,
+    title: str = "dualarm_pin report",
 ) -> None:
     """Write the report of one or several results as one HTML file.
 
     Args:
         file: Where it goes.
-        results: At least one; several are compared on the same axes.
+        results: Task and answer by label, at least one; several are compared on the same axes.
         title: Title of the page, any text.
 
     Raises:
-        InputError: There is no result, one is not finite, or the file cannot be written.
-        ShapeError: The arrays of a result do not fit its cell or path.
+        InputError: There is no result, or the file cannot be written.
+        ShapeError: A trajectory does not fit its task.
     """
     write_bytes(pathlib.Path(file), report_page(results, title=title))

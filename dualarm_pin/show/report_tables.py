@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING
 
-import numpy as np
+from dualarm_pin.answer.evidence import Bound, Evidence
+from dualarm_pin.answer.trajectory import Distances, Trajectory
 
-from dualarm_pin.arrays import Array
-from dualarm_pin.show.report_result import Result
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
 
 Rows = list[tuple[str, list[str]]]
 
@@ -20,114 +21,110 @@ _VERDICTS = {
 }
 
 
-def tables_of(results: Sequence[Result]) -> dict[str, Rows]:
+def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
     """Return rows of text by section; a row that no result fills is left out."""
 
-    def rows(*lines: tuple[str, Callable[[Result], str]]) -> Rows:
-        filled = [(name, [text(result) for result in results]) for name, text in lines]
+    def rows(*lines: tuple[str, Callable[[Task, Trajectory], str]]) -> Rows:
+        filled = [(name, [text(*result) for result in results]) for name, text in lines]
         return [line for line in filled if any(line[1])]
 
     return {
         "Result": rows(
-            ("found", lambda r: {True: "yes", False: "NO", None: ""}[r.summary.get("found")]),
-            ("method", lambda r: str(r.summary.get("method", ""))),
-            ("solver", lambda r: str(r.summary.get("solver", ""))),
-            ("mean index", lambda r: _number(r.summary.get("mean_index"), r.units)),
-            ("mean over arc length", lambda r: _number(r.summary.get("arc_mean_index"), r.units)),
-            ("largest index", lambda r: _number(r.summary.get("max_index"), r.units)),
-            ("objective", lambda r: _number(r.summary.get("objective"), digits=7)),
-            ("smallest clearance", _clearance),
-            ("arms apart by", lambda r: _least(r.between_arms)),
-            ("largest joint step", lambda r: _number(r.summary.get("max_joint_step"), "rad or m")),
-            ("bounds violated by", lambda r: _number(r.summary.get("max_bound_violation"), "")),
-            ("position error", lambda r: _number(r.summary.get("max_position_error"), "m")),
-            ("rotation error", lambda r: _number(r.summary.get("max_rotation_error"), "rad")),
-            ("message", lambda r: str(r.summary.get("message") or "")),
+            ("found", lambda _, t: "yes" if t.found else "NO"),
+            ("method", lambda _, t: t.method),
+            ("solver", lambda _, t: t.solver),
+            ("mean index", lambda task, t: _number(t.mean_index, units_of(task))),
+            ("mean over arc length", lambda task, t: _number(t.arc_mean_index, units_of(task))),
+            ("largest index", lambda task, t: _number(t.max_index, units_of(task))),
+            ("objective", lambda _, t: _number(t.objective, digits=7)),
+            ("smallest clearance", lambda _, t: _clearance(t.checked.clearance)),
+            ("arms apart by", lambda _, t: _number(t.arm_clearance, "m")),
+            ("largest joint step", lambda _, t: _number(t.max_joint_step, "rad or m")),
+            ("bounds violated by", lambda _, t: _number(t.max_bound_violation)),
+            ("position error", lambda _, t: _number(t.max_position_error, "m")),
+            ("rotation error", lambda _, t: _number(t.max_rotation_error, "rad")),
+            ("message", lambda _, t: t.message),
         ),
         "Evidence": rows(
-            ("verdict", lambda r: _VERDICTS.get(str(_evidence(r, "verdict")), "")),
-            ("in words", _sentences),
-            ("starts", _laws),
+            ("verdict", lambda _, t: _verdict(t.evidence)),
+            ("in words", lambda _, t: " ".join(t.evidence.sentences.split())),
+            ("starts", lambda _, t: _laws(t.evidence)),
             (
                 "a better optimum draws less than",
-                lambda r: _share(_evidence(r, "missed_share_95"), " of the starts (95 %)"),
+                lambda _, t: _share(t.evidence.missed_share_95, " of the starts (95 %)"),
             ),
-            ("lower bound", lambda r: _number(_evidence(r, "lower_bound"), digits=7)),
-            ("gap to it", lambda r: _share(_evidence(r, "gap"))),
-            ("stationarity", lambda r: _number(_evidence(r, "stationarity"))),
-            ("smallest curvature", lambda r: _number(_evidence(r, "curvature_min"))),
-            ("bounds that hold", lambda r: _number(_evidence(r, "active_bounds"))),
+            ("lower bound", lambda _, t: _bound(t.evidence.bound)),
+            ("gap to it", lambda _, t: _share(t.evidence.gap)),
+            ("stationarity", lambda _, t: _local(t.evidence, "stationarity")),
+            ("smallest curvature", lambda _, t: _local(t.evidence, "curvature_min")),
+            ("bounds that hold", lambda _, t: _local(t.evidence, "active_bounds")),
         ),
         "Provenance": rows(
-            ("seed", lambda r: _number(r.summary.get("seed"), digits=20)),
+            ("seed", lambda _, t: "" if t.seed is None else str(t.seed)),
             ("time", _time),
-            ("versions", lambda r: _pairs(r.summary.get("versions"))),
+            ("versions", lambda _, t: "\n".join(f"{k} {v}" for k, v in t.versions.items())),
             (
                 "files read (SHA-256)",
-                lambda r: "\n".join(f"{s.path.name} {s.sha256[:16]}…" for s in r.cell.sources),
+                lambda task, _: "\n".join(
+                    f"{s.path.name} {s.sha256[:16]}…" for s in task.cell.sources
+                ),
             ),
         ),
     }
 
 
-def _evidence(result: Result, key: str) -> Any:
-    evidence = result.summary.get("evidence")
-    return evidence.get(key) if isinstance(evidence, Mapping) else None
+def units_of(task: Task) -> str:
+    """Return the units of the index as a page shows them."""
+    return task.index.units.replace("^2", "²")
 
 
-def _sentences(result: Result) -> str:
-    extra = result.summary.get("extra")
-    sentences = extra.get("evidence_text") if isinstance(extra, Mapping) else None
-    return " ".join(str(sentences).split()) if sentences else ""
+def _verdict(evidence: Evidence) -> str:
+    wrong = evidence.bound is not None and evidence.bound.contradicted
+    return _VERDICTS[evidence.verdict] + ("; the lower bound is wrong" if wrong else "")
 
 
-def _laws(result: Result) -> str:
-    laws = _evidence(result, "laws")
+def _laws(evidence: Evidence) -> str:
     return "\n".join(
-        f"{name}: {law['starts']} starts, {law['converged']} converged, "
-        f"{law['minima']} minima, best hit {law['best_hits']}×"
-        for name, law in (laws or {}).items()
+        f"{name}: {law.starts} starts, {law.converged} converged, "
+        f"{law.minima} minima, best hit {law.best_hits}×"
+        for name, law in evidence.laws.items()
     )
 
 
-def _clearance(result: Result) -> str:
-    if result.clearance is None:
-        return "unknown"
-    least = float(np.min(result.clearance))
-    return "\n".join(
-        text
-        for text in (
-            _number(least, "m") + (" IN COLLISION" if least < 0 else ""),
-            result.nearest,
-        )
-        if text
-    )
+def _local(evidence: Evidence, name: str) -> str:
+    return "" if evidence.local is None else _number(getattr(evidence.local, name))
 
 
-def _least(values: Array | None) -> str:
-    return "" if values is None else _number(float(np.min(values)), "m")
-
-
-def _time(result: Result) -> str:
-    timing = result.summary.get("timing")
-    if not isinstance(timing, Mapping):
+def _bound(bound: Bound | None) -> str:
+    if bound is None:
         return ""
-    names = {"wall_s": "wall", "cpu_s": "processor", "compile_s": "compiling"}
-    return "\n".join(
-        f"{text} {_number(timing[k], 's')}" for k, text in names.items() if k in timing
+    wrong = ", above this very path: a search missed a minimum, or the bound is wrong"
+    return _number(bound.value, digits=7) + (wrong if bound.contradicted else "")
+
+
+def _clearance(clearance: Distances | None) -> str:
+    if clearance is None:
+        return "unknown"
+    text = _number(clearance.least, "m") + (" IN COLLISION" if clearance.touch else "")
+    pair = clearance.closest
+    return text if pair is None else f"{text}\n{pair[0]} - {pair[1]}"
+
+
+def _time(_: Task, t: Trajectory) -> str:
+    spent = (
+        ("wall", t.timing.wall_s),
+        ("processor", t.timing.cpu_s),
+        ("compiling", t.timing.compile_s),
     )
+    return "\n".join(f"{name} {_number(seconds, 's')}" for name, seconds in spent)
 
 
-def _pairs(values: object) -> str:
-    return "\n".join(f"{k} {v}" for k, v in values.items()) if isinstance(values, Mapping) else ""
+def _share(value: float | None, text: str = "") -> str:
+    return "" if value is None else f"{100 * value:.2g} %{text}"
 
 
-def _share(value: object, text: str = "") -> str:
-    return f"{100 * float(value):.2g} %{text}" if isinstance(value, int | float) else ""
-
-
-def _number(value: object, units: str = "", digits: int = 4) -> str:
-    if not isinstance(value, int | float) or not math.isfinite(value):
+def _number(value: float | None, units: str = "", digits: int = 4) -> str:
+    if value is None or not math.isfinite(value):
         return ""
     text = f"{value:.{digits}g}" if isinstance(value, float) else str(value)
     return f"{text} {units}".strip()

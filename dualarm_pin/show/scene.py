@@ -1,37 +1,25 @@
-"""What a page shows: robots, path and runs, as data for its script."""
+"""What a page shows: robots, path and answers, as data for its script."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
 
+from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
-from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.errors import ShapeError
 from dualarm_pin.meshes.triangles import triangles_of
 from dualarm_pin.path import Path
-from dualarm_pin.show.binary import Blob
+from dualarm_pin.show.packing import Blob
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
 
 _PLAIN = (0.72, 0.74, 0.77, 1.0)  # where the URDF names no colour
-
-
-@dataclass(frozen=True, eq=False)
-class Run:
-    """One motion to look at.
-
-    Attributes:
-        label: Its name on the page.
-        q: Joints in the columns of the cell, shape (h, n) [rad or m].
-        index: Index at each path point, shape (h,).
-    """
-
-    label: str
-    q: Array
-    index: Array
 
 
 @dataclass(eq=False)
@@ -50,26 +38,37 @@ class Scene:
     _meshes: dict[tuple[object, ...], int | None] = field(default_factory=dict)
     _known: dict[int, tuple[object, int]] = field(default_factory=dict)
 
-    def add_run(self, cell: Cell, path: Path, run: Run) -> dict[str, Any]:
-        """Add one run; its cell and path are stored once however often they come.
+    def add(self, label: str, task: Task, trajectory: Trajectory) -> dict[str, Any]:
+        """Add an answer; its cell and path are stored once however often they come.
+
+        Args:
+            label: Its name on the page, any text.
+            task: What was asked.
+            trajectory: The answer.
 
         Returns:
             The description of the run, to which a caller may add keys.
 
         Raises:
-            ShapeError: The run does not fit the cell or the path.
-            InputError: The run holds a value that is not a finite number.
+            ShapeError: The answer does not fit the cell or the path.
         """
-        q, index = np.asarray(run.q, dtype=float), np.asarray(run.index, dtype=float)
+        return self.add_motion(label, task.cell, task.path, trajectory.q, trajectory.index)
+
+    def add_motion(
+        self, label: str, cell: Cell, path: Path, q: Array, index: Array
+    ) -> dict[str, Any]:
+        """Add joints q (h, n) and their index (h,) that nobody checked, such as one posture.
+
+        Raises:
+            ShapeError: They do not fit the cell or the path.
+        """
         for name, array, shape in (("q", q, (path.h, cell.n)), ("index", index, (path.h,))):
-            if array.shape != shape:
+            if np.shape(array) != shape:
                 raise ShapeError(
-                    f"run {run.label!r}: {shape} is expected; given {array.shape}", field=name
+                    f"run {label!r}: {shape} is expected; given {np.shape(array)}", field=name
                 )
-        if not np.isfinite(q).all():
-            raise InputError(f"run {run.label!r} has joints that are not finite", field="q")
         described = {
-            "label": run.label,
+            "label": label,
             "cell": self._once("cells", cell, self._cell),
             "path": self._once("paths", path, self._path),
             "q": self.blob.add(q),
@@ -145,21 +144,6 @@ class Scene:
                     }
                 )
         return self._meshes[key]
-
-
-def build_scene(cell: Cell, path: Path, runs: Sequence[Run]) -> Scene:
-    """Return the scene of several runs of one cell along one path.
-
-    Raises:
-        InputError: There is no run, or one is not finite.
-        ShapeError: A run does not fit the cell or the path.
-    """
-    if not runs:
-        raise InputError("there is no run to show", field="runs")
-    scene = Scene()
-    for run in runs:
-        scene.add_run(cell, path, run)
-    return scene
 
 
 def _joints(cell: Cell) -> list[dict[str, Any]]:

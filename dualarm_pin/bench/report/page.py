@@ -16,7 +16,7 @@ from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.suite_spec import MapEntry
 from dualarm_pin.files.write import write_bytes
 from dualarm_pin.show.page import render_page, render_text_page
-from dualarm_pin.show.scene import Run, Scene
+from dualarm_pin.show.scene import Scene
 
 if TYPE_CHECKING:
     from dualarm_pin.bench.batch import Batch
@@ -104,7 +104,7 @@ def _maps(maps: Sequence[MapEntry], rows: Sequence[dict[str, Any]]) -> str:
             if value is not None and (known is None or value < known[chart.of]):
                 best[place] = row
         values = {place: None if row is None else row[chart.of] for place, row in best.items()}
-        collides = [p for p, row in best.items() if row and (row["min_clearance"] or 1.0) <= 0.0]
+        collides = [p for p, row in best.items() if row and _touches(row)]
         labels = chart.label_x or chart.x, chart.label_y or chart.y
         parts.append(
             f"<figure>{map_chart(values, *labels, chart.of, collides)}"
@@ -172,8 +172,7 @@ def _scene(batch: Batch) -> tuple[Scene | None, list[str], int]:
     for task, row in list(best.items())[:MOST_SCENES]:
         label = f"{task}: {row['method']}" + (f", {row['variant']}" if row["variant"] else "")
         try:
-            asked, trajectory = load_result(best_folder(batch.folder, (task, row["variant"])))
-            scene.add_run(asked.cell, asked.path, Run(label, trajectory.q, trajectory.index))
+            scene.add(label, *load_result(best_folder(batch.folder, (task, row["variant"]))))
         except DualArmError:  # not kept, or its robots are gone: the tables stand without it
             continue
         labels.append(label)
@@ -184,7 +183,12 @@ def _order(row: dict[str, Any], other: dict[str, Any]) -> tuple[bool, float, flo
     """Objectives decide within a variant; between variants what is free, then the mean index."""
     if row["variant"] == other["variant"]:
         return False, row["objective"], row["seed"]
-    return (row["min_clearance"] or 1.0) <= 0.0, row["mean_index"], row["seed"]
+    return _touches(row), row["mean_index"], row["seed"]
+
+
+def _touches(row: dict[str, Any]) -> bool:
+    """Tell whether links touch: contact at exactly 0 counts; an unknown clearance does not."""
+    return row["min_clearance"] is not None and row["min_clearance"] <= 0.0
 
 
 def _stage(labels: Sequence[str], left_out: int) -> str:

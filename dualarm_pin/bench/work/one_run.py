@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any
 
 from dualarm_pin import __version__
+from dualarm_pin.answer.result_json import result_json
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.bench.fingerprints import file_digest
 from dualarm_pin.bench.run import Outcome, Run
@@ -72,7 +73,8 @@ def execute(run: Run, task: Task, planner: Planner, keep: bool) -> Outcome:
         trajectory = planner()
         if not isinstance(trajectory, Trajectory):
             raise TypeError(f"a Trajectory is expected; {run.method.name} returned {trajectory!r}")
-        figures = trajectory.as_dict()
+        figures = result_json(trajectory)
+        del figures["checked"]  # point by point: in the result folders that are kept
     except Exception as error:
         return failed(error)
     figures["run_s"] = time.perf_counter() - begun

@@ -5,15 +5,14 @@ imported, so no window opens and no global list of figures grows. `save` writes 
 bytes depend on the figure alone.
 """
 
-from dualarm_pin.show.plots.curves import Curve, figure_clearance, figure_index
-from dualarm_pin.show.plots.joints import Motion, figure_joints, figure_steps
+from dualarm_pin.show.plots.curves import draw_curve, figure_clearance, figure_index
+from dualarm_pin.show.plots.joints import figure_joints, figure_steps
 from dualarm_pin.show.plots.paths import figure_path
 from dualarm_pin.show.plots.style import COLOURS, save
 
 __all__ = [
     "COLOURS",
-    "Curve",
-    "Motion",
+    "draw_curve",
     "figure_clearance",
     "figure_index",
     "figure_joints",

@@ -2,41 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Mapping
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from dualarm_pin.arrays import Array
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.cell import Cell
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.show.plots.style import ALONG, COLOURS, DASHES, FAINT, INK, dress, say
 
-if TYPE_CHECKING:
-    from dualarm_pin.cell import Cell
 
-
-@dataclass(frozen=True, eq=False)
-class Motion:
-    """One joint motion of a comparison: label and q (h, n) in the columns of the cell."""
-
-    label: str
-    q: Array
-
-
-def figure_joints(cell: Cell, motions: Sequence[Motion], *, title: str = "") -> Figure:
+def figure_joints(cell: Cell, answers: Mapping[str, Trajectory], *, title: str = "") -> Figure:
     """Draw every joint within its bounds, one small plot per joint, one column per arm.
 
     Angles are in degrees, prismatic joints in metres.
 
     Raises:
-        ShapeError: A motion has other columns than the cell.
+        ShapeError: An answer has other columns than the cell.
     """
-    for motion in motions:
-        _check_columns(cell, motion)
+    _check_columns(cell, answers)
     owners = ("arm1", "arm2", "common")
     columns = [[k for k, j in enumerate(cell.joints) if j.arm == arm] for arm in owners]
     columns = [column for column in columns if column]
@@ -46,34 +33,34 @@ def figure_joints(cell: Cell, motions: Sequence[Motion], *, title: str = "") -> 
     for c, column in enumerate(columns):
         for r in range(height):
             if r < len(column):
-                _joint(grid[r, c], cell, column[r], motions)
+                _joint(grid[r, c], cell, column[r], answers)
             else:
                 grid[r, c].set_visible(False)
         grid[len(column) - 1, c].tick_params(labelbottom=True)
         grid[len(column) - 1, c].set_xlabel(ALONG["point"])
-    handles = grid[0, 0].get_lines()[: len(motions)]
-    if len(motions) > 1:
+    handles = grid[0, 0].get_lines()[: len(answers)]
+    if len(answers) > 1:
         figure.legend(handles=handles, loc="outside lower center", ncols=3, frameon=False)
     if title:
         figure.suptitle(title, color=INK)
     return figure
 
 
-def figure_steps(cell: Cell, motions: Sequence[Motion], *, title: str = "") -> Figure:
+def figure_steps(cell: Cell, answers: Mapping[str, Trajectory], *, title: str = "") -> Figure:
     """Compare the largest step of a revolute joint between neighbouring points [deg].
 
     Raises:
-        ShapeError: A motion has other columns than the cell.
+        ShapeError: An answer has other columns than the cell.
     """
+    _check_columns(cell, answers)
     figure = Figure(figsize=(6.4, 3.6), layout="constrained")
     ax = figure.add_subplot()
     turning = [k for k, joint in enumerate(cell.joints) if joint.kind == "revolute"]
-    for k, motion in enumerate(motions):
-        _check_columns(cell, motion)
-        step = np.degrees(np.abs(np.diff(motion.q[:, turning], axis=0)).max(axis=1))
+    for k, (label, answer) in enumerate(answers.items()):
+        step = np.degrees(np.abs(np.diff(answer.q[:, turning], axis=0)).max(axis=1))
         ax.stairs(
             step, np.arange(1, len(step) + 2), lw=2, color=COLOURS[k % 7], ls=DASHES[k % 7],
-            label=f"{motion.label} (largest {step.max():.1f}°)", baseline=None,
+            label=f"{label} (largest {step.max():.1f}°)", baseline=None,
         )  # fmt: skip
     dress(ax, "point")
     ax.set_ylabel("largest joint step [deg]")
@@ -83,16 +70,16 @@ def figure_steps(cell: Cell, motions: Sequence[Motion], *, title: str = "") -> F
     return figure
 
 
-def _joint(ax: Axes, cell: Cell, k: int, motions: Sequence[Motion]) -> None:
+def _joint(ax: Axes, cell: Cell, k: int, answers: Mapping[str, Trajectory]) -> None:
     joint = cell.joints[k]
     turning = joint.kind == "revolute"
     scale = 180 / np.pi if turning else 1.0
     low, high = cell.lower[k] * scale, cell.upper[k] * scale
-    for m, motion in enumerate(motions):
-        x = np.arange(1, len(motion.q) + 1)
+    for m, (label, answer) in enumerate(answers.items()):
+        x = np.arange(1, len(answer.q) + 1)
         ax.plot(
-            x, motion.q[:, k] * scale, lw=1.5, color=COLOURS[m % 7], ls=DASHES[m % 7],
-            label=motion.label,
+            x, answer.q[:, k] * scale, lw=1.5, color=COLOURS[m % 7], ls=DASHES[m % 7],
+            label=label,
         )  # fmt: skip
     for bound in (low, high):
         ax.axhline(bound, color=INK, lw=0.8)
@@ -111,9 +98,9 @@ def _joint(ax: Axes, cell: Cell, k: int, motions: Sequence[Motion]) -> None:
     )
 
 
-def _check_columns(cell: Cell, motion: Motion) -> None:
-    if np.ndim(motion.q) != 2 or motion.q.shape[1] != cell.n:
-        raise ShapeError(
-            f"(h, {cell.n}) is expected for {motion.label!r}; given {np.shape(motion.q)}",
-            field="q",
-        )
+def _check_columns(cell: Cell, answers: Mapping[str, Trajectory]) -> None:
+    for label, answer in answers.items():
+        if answer.q.shape[1] != cell.n:
+            raise ShapeError(
+                f"(h, {cell.n}) is expected for {label!r}; given {answer.q.shape}", field="q"
+            )

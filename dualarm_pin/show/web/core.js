@@ -9,7 +9,7 @@ DA.unsqueeze = async function (id) {
   return new Uint8Array(await new Response(stream).arrayBuffer());
 };
 
-// The layout is that of viewer/blob.py.
+// The layout is that of show/packing.py.
 DA.unpack = function (bytes) {
   const length = new DataView(bytes.buffer, bytes.byteOffset).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(bytes.subarray(4, 4 + length)));

@@ -1,0 +1,38 @@
+"""The summary: a result as a few lines of text."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from dualarm_pin.answer.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+
+def summary(task: Task, trajectory: Trajectory) -> str:
+    """Return a result as a few lines of text."""
+    t, near = trajectory, trajectory.checked.clearance
+    clearance = (
+        "unknown (meshes are missing)"
+        if near is None
+        else f"{near.least:.3f} m" + (" (IN COLLISION)" if near.touch else "")
+    )
+    if t.arm_clearance is not None:
+        clearance += f", between the arms {t.arm_clearance:.3f} m"
+    units = task.index.units
+    lines = [
+        f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",
+        f"index        mean {t.mean_index:.4f}, over the arc length {t.arc_mean_index:.4f}, "
+        f"largest {t.max_index:.4f} {units}",
+        f"objective    {t.objective:.4f} with lambda {task.smoothness:g}",
+        f"pose error   {t.max_position_error:.1e} m, {t.max_rotation_error:.1e} rad",
+        f"bounds       violated by {t.max_bound_violation:.1e}, "
+        f"largest joint step {t.max_joint_step:.3f} (rad or m)",
+        f"clearance    {clearance}",
+        f"time         {t.timing.wall_s:.2f} s wall, {t.timing.cpu_s:.2f} s processor"
+        + (f", {t.timing.compile_s:.1f} s of it compiling" if t.timing.compile_s else ""),
+    ]
+    if t.evidence.sentences:
+        lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
+    return "\n".join(lines)
