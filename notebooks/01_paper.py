@@ -38,7 +38,7 @@ import numpy as np
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global, plan_local, plan_two_stage, polish
 from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, Run, plots
+from dualarm_pin.show import Player, plots
 from dualarm_pin.task import Task
 
 STARTS = 10  # the paper takes 100 for each of its problems; that is about two minutes on two cores
@@ -174,7 +174,7 @@ assert abs(whole.mean_index - 0.4063) < 1e-3
 
 # %%
 plots.figure_index(
-    [plots.Curve(name, t.index) for name, t in methods.items()],
+    methods,
     title="Fig. 4: the whole task against step by step",
 )
 
@@ -189,7 +189,7 @@ plots.figure_index(
 # %%
 plots.figure_joints(
     cell,
-    [plots.Motion("whole path at once", whole.q), plots.Motion("pseudo-inverse", local["free"].q)],
+    {"whole path at once": whole, "pseudo-inverse": local["free"]},
 )
 
 # %% [markdown]
@@ -207,7 +207,7 @@ curves = {"from the best path": best_first, **random}
 assert all(best_first.mean_index < t.mean_index for t in random.values())
 
 plots.figure_index(
-    [plots.Curve(name, t.index) for name, t in curves.items()],
+    curves,
     title="Fig. 5: pseudo-inverse from several first postures",
 )
 
@@ -219,13 +219,7 @@ plots.figure_index(
 # *Side by side* to compare. The page is part of this notebook: it works in a saved copy too.
 
 # %%
-Player(
-    cell,
-    path,
-    [Run(name, t.q, t.index) for name, t in methods.items()],
-    title="The paper's task",
-    at=0.5,
-)
+Player(task, methods, title="The paper's task", at=0.5)
 
 # %% [markdown]
 # ## What was checked

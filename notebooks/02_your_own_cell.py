@@ -35,7 +35,7 @@ from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.path.generators import circle, raster
 from dualarm_pin.planners import plan_global
 from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, Run, plots
+from dualarm_pin.show import Player, plots
 from dualarm_pin.task import Task
 
 ns16 = urdf_folder() / "ns16" / "ns16.urdf"
@@ -122,7 +122,7 @@ assert best.found
 assert 0.3 < best.mean_index < 1.0
 
 # %%
-Player(cell, path, [Run("around the corner", best.q, best.index)], title=cell.name, at=0.3)
+Player(task, {"around the corner": best}, title=cell.name, at=0.3)
 
 # %% [markdown]
 # `found` is decided by a check with Pinocchio, not by the solver. It takes three lines to do so
@@ -226,10 +226,7 @@ assert all(plan.found for plan in plans)
 
 # %%
 plots.figure_index(
-    [
-        plots.Curve(f"base at {d:.1f} m", plan.index, path.arc_length)
-        for d, plan in zip(distances, plans, strict=True)
-    ],
+    {f"base at {d:.1f} m": plan for d, plan in zip(distances, plans, strict=True)},
     title="The same circle from four places",
     along="arc_length",
 )
@@ -265,18 +262,19 @@ except MissingExtraError as error:
 shown = None
 if mixed is not None:
     zigzag = raster(0.12, 0.06, 3, fillet=0.01, height=0.1, points=31)
-    answer = plan_global(Task(mixed, zigzag), effort="quick", seed=0)
+    asked = Task(mixed, zigzag)
+    answer = plan_global(asked, effort="quick", seed=0)
     print(f"{mixed.n} joints, found {answer.found}, mean c {answer.mean_index:.4f} m^2")
     print(f"between the arms {answer.arm_clearance:.3f} m")
     assert answer.found and mixed.n == 13 and answer.arm_clearance > 0
-    shown = Player(mixed, zigzag, [Run("zigzag", answer.q, answer.index)], title=mixed.name, at=0.5)
+    shown = Player(asked, {"zigzag": answer}, title=mixed.name, at=0.5)
 shown
 
 # %% [markdown]
 # ## Exercises
 #
 # 1. Turn the second robot: `placed(1.6, 1.6, -110)`. Which of its joints reach a bound?
-#    (`plots.figure_joints(cell, [plots.Motion("", best.q)])`)
+#    (`plots.figure_joints(cell, {"": best})`)
 # 2. A spindle may spin: `circle(0.1, height=0.2, points=21, free="spin")` leaves the rotation
 #    about the tool axis open. How much does $c$ gain from one more free direction?
 # 3. Write a cell file for your own robots and run `dualarm-pin check` on it. Do reach and bounds

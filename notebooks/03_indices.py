@@ -29,11 +29,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from dualarm_pin import indices, plots
+from dualarm_pin import indices
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global
 from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, Run
+from dualarm_pin.show import Player, plots
 from dualarm_pin.task import Task
 
 task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
@@ -92,9 +93,8 @@ assert beta <= 1 / alpha + 1e-12  # they meet only where u is an axis of the ell
 
 # %%
 Player(
-    cell,
-    path,
-    [Run("best for force", best.q, best.index)],
+    task,
+    {"best for force": best},
     title="What is strong is slow",
     at=0.2,
     show=["force", "velocity"],
@@ -159,19 +159,17 @@ for name, t in answers.items():  # our own mean is that of the package
 
 # %%
 plots.figure_index(
-    [
-        plots.Curve(f"planned for {name}", [np.sum((J.T @ u) ** 2) for J, u in pairs])
+    {
+        f"planned for {name}": verified(task, t.q, method=t.method, solver=t.solver)
         for name, t in answers.items()
-        for pairs in [[(Relative(cell, x).J_r, u) for x, u in zip(t.q, path.u, strict=True)]]
-    ],
+    },
     title="The force index of three answers",
 )
 
 # %%
 Player(
-    cell,
-    path,
-    [Run(f"planned for {name}", t.q, t.index) for name, t in answers.items()],
+    task,
+    {f"planned for {name}": t for name, t in answers.items()},
     title="Three indices",
     at=0.3,
     layout="side",

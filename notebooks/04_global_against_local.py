@@ -28,7 +28,7 @@ import numpy as np
 from dualarm_pin.evidence import examine
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners import plan_global, plan_local, polish
-from dualarm_pin.show import Player, Run, plots
+from dualarm_pin.show import Player, plots
 from dualarm_pin.task import Task
 
 task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
@@ -85,13 +85,14 @@ figure
 
 # %%
 incumbent = min(ends, key=lambda end: end.objective)
-evidence, sentences = examine(problem, incumbent.q, seed=0)
-print(sentences, "\n")
-print(f"largest KKT residual  {evidence.stationarity:.1e}")
-print(f"smallest curvature    {evidence.curvature_min:.3f}")
-print(f"active joint limits   {evidence.active_bounds} of {incumbent.q.size}")
+evidence = examine(problem, incumbent.q, seed=0)
+local = evidence.local
+print(evidence.sentences, "\n")
+print(f"largest KKT residual  {local.stationarity:.1e}")
+print(f"smallest curvature    {local.curvature_min:.3f}")
+print(f"active joint limits   {local.active_bounds} of {incumbent.q.size}")
 assert evidence.verdict == "local_only"
-assert evidence.stationarity < 1e-6 and evidence.curvature_min > 0
+assert local.stationarity < 1e-6 and local.curvature_min > 0
 
 # %% [markdown]
 # The verdict is `local_only`, and that is all that one descent can ever earn. This level is cheap
@@ -112,7 +113,7 @@ assert evidence.stationarity < 1e-6 and evidence.curvature_min > 0
 
 # %%
 best = plan_global(task, effort="normal", seed=0)
-print(best.extra["evidence_text"], "\n")
+print(best.evidence.sentences, "\n")
 for law, count in best.evidence.laws.items():
     print(
         f"{law:11} {count.starts:5} starts, {count.converged:5} converged, "
@@ -143,13 +144,14 @@ assert np.isclose(best.evidence.missed_share_95, share, rtol=1e-6)
 # search of a piece missed a minimum**; pieces are short and easier to search than the path.
 
 # %%
-bounded, sentences = examine(problem, best.q, bound=True, seed=0)
-print(sentences, "\n")
-print(f"objective {bounded.details['objective']:.5f}")
-print(f"bound     {bounded.lower_bound:.5f}, gap {100 * bounded.gap:.5f} %")
-print(f"pieces    {bounded.details['bound_pieces']}, cut at {bounded.details['bound_cuts']}")
-assert bounded.lower_bound <= bounded.details["objective"] + 1e-9
-assert 0 <= bounded.gap < 1e-3
+bounded = examine(problem, best.q, bound=True, seed=0)
+bound = bounded.bound
+print(bounded.sentences, "\n")
+print(f"objective {bound.objective:.5f}")
+print(f"bound     {bound.value:.5f}, gap {100 * bound.gap:.5f} %")
+print(f"pieces    {bound.pieces}, cut at points {[cut + 1 for cut in bound.cuts]}")
+assert bound.value <= bound.objective + 1e-9
+assert bound.gap < 1e-3 and not bound.contradicted
 
 # %% [markdown]
 # `effort="thorough"` does all three levels in one call, with 1000 starts by each law; its verdict
@@ -165,15 +167,15 @@ assert 0 <= bounded.gap < 1e-3
 trap = min(
     (end for end in ends if end.objective > 13.0), key=lambda end: abs(end.objective - 14.5396)
 )
-checked, _ = examine(problem, trap.q, seed=0)
-exposed, sentences = examine(problem, trap.q, bound=True, seed=0)
-print(f"incumbent {trap.objective:.4f}; level 1 says: {checked.details['local']}")
-print(sentences, "\n")
-if exposed.details["bound_replaced"]:
-    print(f"replaced on the way by {exposed.details['objective']:.4f}")
+checked = examine(problem, trap.q, seed=0)
+exposed = examine(problem, trap.q, bound=True, seed=0)
+print(f"incumbent {trap.objective:.4f}; level 1 says: {checked.local.kind}")
+print(exposed.sentences, "\n")
+if exposed.bound.replaced:
+    print(f"replaced on the way by {exposed.bound.objective:.4f}")
 
-assert checked.details["local"] in ("strict_minimum", "flat_minimum")
-caught = exposed.details["bound_found_better"] or exposed.gap > 0.01
+assert checked.local.minimum
+caught = exposed.bound.found_better or exposed.gap > 0.01
 assert caught
 
 # %% [markdown]
@@ -199,17 +201,12 @@ for name, t in steps.items():
     print(f"{name:35} mean c {t.mean_index:.3f}, objective {t.objective:8.3f}")
 assert all(best.mean_index < t.mean_index for t in list(steps.values())[1:])
 
-plots.figure_index([plots.Curve(name, t.index) for name, t in steps.items()])
+plots.figure_index(steps)
 
 # %%
 Player(
-    cell,
-    path,
-    [
-        Run("best known", best.q, best.index),
-        Run("a wrong incumbent", trap.q, trap.index),
-        Run("step by step", stepwise.q, stepwise.index),
-    ],
+    task,
+    {"best known": best, "a wrong incumbent": trap, "step by step": stepwise},
     title="Three answers to one task",
     at=0.5,
     layout="side",
@@ -232,4 +229,4 @@ Player(
 # 1. Make 400 descents instead of 60. Was the best known among them? How often?
 # 2. Repeat level 2 with `seed=1`. Which of the numbers change, and does the verdict?
 # 3. Set $\lambda = 300$ with `task.with_smoothness(300.0)` and compute the bound again. Strong
-#    coupling makes it harder to cut a path into pieces: look at `details["bound_tried"]`.
+#    coupling makes it harder to cut a path into pieces: look at `evidence.bound.tried`.

@@ -36,7 +36,7 @@ from dualarm_pin.answer.folder import load_result
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.show import Player, Run, plots
+from dualarm_pin.show import Player, plots
 
 folder = Path(tempfile.mkdtemp())
 corner = urdf_folder() / "tasks" / "paper_corner.yaml"
@@ -187,17 +187,15 @@ assert np.all(mean > 0)
 # The best runs are kept as trajectories, so what looks odd in a table can be looked at:
 
 # %%
-runs = []
+by_weight = {}
 for place in sorted((folder / "placement" / "best").iterdir()):
     placed_task, plan = load_result(place)
     base = placed_task.record["cell"]["arms"]["arm2"]["base"]["xyz"][0]
     if base == 2.5:
-        runs.append(
-            (placed_task.smoothness, Run(f"λ = {placed_task.smoothness:g}", plan.q, plan.index))
-        )
-runs = [run for _, run in sorted(runs, key=lambda pair: pair[0])]
-assert len(runs) == 3
-Player(task.cell, task.path, runs, title="The same place, three weights", layout="overlay", at=1.0)
+        by_weight[placed_task.smoothness] = plan
+assert len(by_weight) == 3
+shown = {f"λ = {weight:g}": by_weight[weight] for weight in sorted(by_weight)}
+Player(task, shown, title="The same place, three weights", layout="overlay", at=1.0)
 
 # %% [markdown]
 # ## Exercises

@@ -11,7 +11,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import asdict, fields, replace
 from functools import cache
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, TypeVar, cast
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
@@ -248,7 +248,7 @@ class _File(_Spec):
 
 def _typed(kind: type[T], content: Any) -> T:
     """Return JSON values as a record; nothing is converted."""
-    record: T = _reader(kind).validate_json(json.dumps(content), strict=True)
+    record: T = _reader(cast(Any, kind)).validate_json(json.dumps(content), strict=True)
     return record
 
 
