@@ -15,7 +15,7 @@ pytest.importorskip("pyarrow")
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.report import statistics as stats
 from dualarm_pin.bench.report.charts import map_chart, profile_chart
-from dualarm_pin.bench.report.page import write_report
+from dualarm_pin.bench.report.page import _order, write_report
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
 
@@ -203,3 +203,13 @@ def test_without_trajectories_the_page_has_no_script(batch, tmp_path):
     write_report(suite, empty, "x")
     page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert page.scripts == 0 and "No trajectory to show" in " ".join(page.text)
+
+
+@pytest.mark.parametrize(
+    ("clearance", "touches"), [(0.0, True), (-0.1, True), (0.1, False), (None, False)]
+)
+def test_contact_at_exactly_zero_is_not_free(clearance, touches):
+    """Between variants what is free stands first, whatever its index."""
+    least = row("a", variant="near", mean_index=0.1, min_clearance=clearance)
+    free = row("a", variant="far", mean_index=0.9, min_clearance=0.2)
+    assert (_order(free, least) < _order(least, free)) == touches
