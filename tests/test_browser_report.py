@@ -52,7 +52,7 @@ def test_report_is_offline_and_clean(view, file):
 
 def test_every_plot_has_every_result(view):
     titles = view.page.locator("figcaption").all_inner_texts()
-    assert titles[0].startswith("index [m²]")
+    assert titles[0].startswith("index: force [m²]")
     assert any(t.startswith("clearance") for t in titles)
     assert sum(t.startswith(("arm1/", "arm2/")) for t in titles) == 12
     counts = view.do("dualarm.charts.map((c) => c.svg.querySelectorAll('.curve').length)")
@@ -128,7 +128,7 @@ def test_choosing_a_result_is_seen_everywhere(view):
     assert view.page.locator("th.active").first.inner_text() == "result 2"
     view.do("dualarm.select(1)")
     assert view.page.locator(".readout b").inner_text() == BAD
-    assert view.page.locator(".task").text_content().strip() == f"{{path: '{BAD}'}}"
+    assert view.page.locator(".task").text_content().strip() == f"{{path: {BAD}}}"
     assert view.complaints == []
 
 

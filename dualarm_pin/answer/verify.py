@@ -94,6 +94,8 @@ def verify(
     if not np.all(np.isfinite(q)):
         point = int(np.argmin(np.isfinite(q).all(axis=1))) + 1
         raise InputError(f"the joints of point {point} are not finite", field="q")
+    everywhere = _distances(task, q) if clearance else None
+    arms = _distances(task, q, between_arms=True) if clearance else None
     points = [Relative(cell, q_i) for q_i in q]
     bounds = (cell.lower, cell.upper)
     index = np.array(
@@ -124,8 +126,8 @@ def verify(
         singular_value=np.array(
             [np.linalg.svd(point.J_r, compute_uv=False)[-1] for point in points]
         ),
-        clearance=_distances(task, q) if clearance else None,
-        arm_clearance=_distances(task, q, between_arms=True) if clearance else None,
+        clearance=everywhere,
+        arm_clearance=arms,
         found=bool(np.all(position_error <= tolerance.position))
         and bool(np.all(rotation_error <= tolerance.rotation))
         and bool(np.all(violation <= tolerance.bound)),
