@@ -51,6 +51,8 @@ def finite(value: ArrayLike, field: str, shape: tuple[int, ...]) -> Array:
     ):
         wanted = ", ".join("h" if n < 0 else str(n) for n in shape)
         raise ShapeError(f"shape ({wanted}) is expected; given {array.shape}", field=field)
+    if not array.size:
+        return array
     rows = array.reshape(len(array) if len(shape) > 1 else 1, -1)
     bad = np.flatnonzero(~np.isfinite(rows).all(axis=1))
     if len(bad):

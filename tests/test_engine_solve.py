@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
+from dataclasses import replace
 
+import numba
 import numpy as np
 import pinocchio as pin
 import pytest
@@ -17,9 +20,15 @@ from engine_cases import (
 )
 
 from dualarm_pin import indices
+from dualarm_pin.engine.interior_point.line_search import Merit, remember
 from dualarm_pin.engine.solve import Options, evaluate, solve, solve_many
-from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.engine.workspace import FILTER_SIZE
+from dualarm_pin.errors import EngineError, InputError, ShapeError
+from dualarm_pin.evidence.curvature import curvature_min
+from dualarm_pin.evidence.kkt import stationarity
 from dualarm_pin.problem import Problem
+from dualarm_pin.solution import distinct
+from dualarm_pin.solvers import interior_point
 
 MIDDLE = 15
 LOWER, UPPER = np.tile(TABLE_I[:, 0], 2), np.tile(TABLE_I[:, 1], 2)
@@ -392,3 +401,80 @@ def test_messages(paper):
         solve_many(paper, np.zeros((1, 2, 12)), points=[30])
     with pytest.raises(InputError, match=r"tolerance: is 0\.0, must be above 0"):
         solve(paper, np.zeros((31, 12)), Options(tolerance=0.0))
+
+
+def test_no_starts_are_no_error(paper):
+    """Fault: a batch without starts raised a bare ValueError."""
+    ends = solve_many(paper, np.zeros((0, 31, 12)))
+    assert len(ends) == 0
+    assert not ends.interrupted
+
+
+def test_a_point_of_weight_0_asks_nothing_of_the_index(anchor):
+    """Fault: its value was skipped but its derivatives were not, and 0 times nan is nan."""
+    undefined = indices.custom(
+        "undefined",
+        lambda A, u: np.nan,
+        lambda A, u: np.full((6, 6), np.nan),
+        lambda A, u, D: np.full((6, 6), np.nan),
+    )
+    problem = paper_problem(undefined, points=(3, 1, 3)).with_points(index_weight=np.zeros(7))
+    at = evaluate(problem, np.tile(anchor, (7, 1)))
+    assert np.isfinite(at.objective)
+    assert np.isfinite(at.gradient).all()
+    assert np.isfinite(at.hessian).all()
+    assert solve(problem, np.tile(anchor, (7, 1))).converged
+
+
+def test_what_is_returned_is_the_best_so_far(paper, anchor):
+    """Fault: a solve that was cut off or stalled returned its last point, not its best."""
+    start = np.tile(anchor + 0.2, (31, 1))
+    caps = range(40)
+    ends = [solve(paper, start, Options(tolerance=1e-12, iterations=cap)) for cap in caps]
+    off_path = [np.abs(evaluate(paper, end.q).residual).sum() for end in ends]
+    assert all(b <= a for a, b in itertools.pairwise(off_path) if b > 1e-6)
+    on_path = [end.objective for end, away in zip(ends, off_path, strict=True) if away <= 1e-6]
+    assert len(on_path) > 3
+    assert all(b <= a for a, b in itertools.pairwise(on_path))
+
+
+def test_a_saddle_is_no_minimum(paper):
+    """Fault: stationary points with a direction that leads down were counted as minima."""
+    problem = paper.window(MIDDLE, 1)
+    starts = np.random.default_rng(0).uniform(LOWER, UPPER, (400, 1, 12))
+    ends = solve_many(problem, starts)
+    saddles = np.flatnonzero(ends.converged & ends.saddle)
+    assert 0 < len(saddles) < 0.2 * len(ends)
+    minima = distinct(ends)
+    assert (minima.label[saddles] == -1).all()
+    for end in saddles[:5]:
+        q = ends.q[end]
+        lowest, _ = curvature_min(problem, q, stationarity(problem, q))
+        assert lowest < -1e-6
+    for q in minima.ends.q[:10]:
+        lowest, _ = curvature_min(problem, q, stationarity(problem, q))
+        assert lowest is None or lowest > -1e-6
+
+
+def test_a_full_filter_takes_the_newest_pair():
+    """Fault: pairs past the 500th were dropped."""
+
+    @numba.njit
+    def add(pairs, filtered, violation, value):
+        return remember(pairs, filtered, 0.0, Merit(value, 0.0, violation))
+
+    pairs, filtered = np.zeros((FILTER_SIZE, 2)), 0
+    for number in range(FILTER_SIZE + 1):
+        filtered = add(pairs, filtered, 1.0 + number, float(number))
+    assert filtered == FILTER_SIZE
+    assert pairs[:, 1].max() == pytest.approx(FILTER_SIZE, rel=1e-4)
+    assert pairs[:, 0].max() == pytest.approx(FILTER_SIZE + 1, rel=1e-4)
+
+
+def test_an_engine_that_disagrees_with_pinocchio_is_not_used(monkeypatch):
+    """Fault: the engine was not compared with Pinocchio when a cell was first solved."""
+    problem = paper_problem()
+    chain = problem.chain._replace(translation=problem.chain.translation + 1e-6)
+    with pytest.raises(EngineError, match="the engine and Pinocchio differ by"):
+        interior_point.solve(replace(problem, chain=chain), np.zeros((31, 12)))
+    assert interior_point.solve(problem, np.zeros((31, 12))).iterations > 0

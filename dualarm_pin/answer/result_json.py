@@ -19,7 +19,7 @@ from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from dualarm_pin.answer.evidence import CONDITION, Bound, Count, Evidence, LocalCheck, Number
 from dualarm_pin.answer.notes import NOTES
 from dualarm_pin.answer.provenance import Timing
-from dualarm_pin.answer.trajectory import Checked, Distances, Pair, Trajectory
+from dualarm_pin.answer.trajectory import Checked, Distances, Pair, RowValues, Trajectory
 from dualarm_pin.arrays import Array
 
 if TYPE_CHECKING:
@@ -50,6 +50,7 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
         "max_position_error": t.max_position_error,
         "max_rotation_error": t.max_rotation_error,
         "max_bound_violation": t.max_bound_violation,
+        "max_constraint_violation": t.max_row_violation,
         "max_joint_step": t.max_joint_step,
         "min_clearance": t.min_clearance,
         "closest_pair": None if clearance is None else clearance.closest,
@@ -69,6 +70,10 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
             "bound_violation": checked.bound_violation,
             "clearance_pairs": () if clearance is None else clearance.pairs,
             "arm_clearance_pairs": () if arms is None else arms.pairs,
+            "constraints": [
+                {**asdict(row), "points": _from_1(row.points), "violation": row.violation}
+                for row in checked.rows
+            ],
         },
     }
     return {key: _plain(value) for key, value in content.items()}
@@ -155,6 +160,12 @@ def read_result_json(text: bytes, q: Array, index: Array, arc_length: Array) -> 
             clearance=distances(file.clearance, points.clearance_pairs),
             arm_clearance=distances(extra.arm_clearance, points.arm_clearance_pairs),
             found=file.found,
+            rows=tuple(
+                RowValues(
+                    row.name, row.units, row.equality, _from_0(row.points), np.array(row.value)
+                )
+                for row in points.constraints
+            ),
         ),
         method=file.method,
         solver=file.solver,
@@ -217,6 +228,19 @@ class _Extra(_Spec):
     arm_clearance: list[Number] | None = None
 
 
+class _Row(_Spec):
+    name: str
+    units: str
+    equality: bool
+    points: tuple[Count, ...]
+    value: list[Number]
+
+
+def _read_row(row: _Row) -> RowValues:
+    points = _from_0(row.points)
+    return RowValues(row.name, row.units, row.equality, points, np.array(row.value))
+
+
 class _Points(_Spec):
     """Further figures at each point."""
 
@@ -225,6 +249,7 @@ class _Points(_Spec):
     bound_violation: list[Number] | None = None
     clearance_pairs: tuple[Pair, ...] = ()
     arm_clearance_pairs: tuple[Pair, ...] = ()
+    constraints: tuple[_Row, ...] = ()
 
 
 class _File(_Spec):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -29,6 +30,7 @@ def summary(task: Task, trajectory: Trajectory) -> str:
         f"pose error   {t.max_position_error:.1e} m, {t.max_rotation_error:.1e} rad",
         f"bounds       violated by {t.max_bound_violation:.1e}, "
         f"largest joint step {t.max_joint_step:.3f} (rad or m)",
+        *_rows(trajectory),
         f"clearance    {clearance}",
         f"time         {t.timing.wall_s:.2f} s wall, {t.timing.cpu_s:.2f} s processor"
         + (f", {t.timing.compile_s:.1f} s of it compiling" if t.timing.compile_s else ""),
@@ -36,3 +38,15 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     if t.evidence.sentences:
         lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
     return "\n".join(lines)
+
+
+def _rows(trajectory: Trajectory) -> list[str]:
+    """Return a line about the constraint that is nearest to not holding, if there are any."""
+    rows = trajectory.checked.rows
+    if not rows:
+        return []
+    broken = max(rows, key=lambda row: row.violation)
+    if broken.violation > TOLERANCE.row:
+        how = f"VIOLATED: {broken.name} by {broken.violation:.2g} {broken.units}"
+        return [f"constraints  {how} at point {broken.worst + 1}"]
+    return [f"constraints  {len(rows)} met (violated by {broken.violation:.1e} at most)"]

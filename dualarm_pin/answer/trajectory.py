@@ -60,6 +60,40 @@ class Distances:
 
 
 @dataclass(frozen=True, eq=False)
+class RowValues:
+    """What a row comes to at the points at which it holds.
+
+    Attributes:
+        name: Name of the row.
+        units: Unit of its value.
+        equality: It must be zero, not zero or more.
+        points: Points at which it holds, from 0.
+        value: Its value at these points.
+    """
+
+    name: str
+    units: str
+    equality: bool
+    points: tuple[int, ...]
+    value: Array
+
+    def __post_init__(self) -> None:
+        if np.shape(self.value) != (len(self.points),) or not self.points:
+            raise ShapeError("a value for each of its points is expected", field=self.name)
+
+    @property
+    def violation(self) -> float:
+        """How far the row is from holding where it is worst; 0 where it holds."""
+        lacking = np.abs(self.value) if self.equality else -self.value
+        return max(0.0, float(np.max(lacking)))
+
+    @property
+    def worst(self) -> int:
+        """The point, from 0, at which it is nearest to not holding, or farthest from it."""
+        return self.points[int(np.argmax(np.abs(self.value) if self.equality else -self.value))]
+
+
+@dataclass(frozen=True, eq=False)
 class Checked:
     """What the joints of a path come to, point by point, as `verify` computed it with Pinocchio.
 
@@ -75,6 +109,7 @@ class Checked:
         arm_clearance: Between the two arms: a wrist always sits close to its own forearm, so this
             one tells more. None if geometry is missing.
         found: All errors are within tolerance.
+        rows: What the rows of the task come to.
     """
 
     index: Array
@@ -86,6 +121,7 @@ class Checked:
     clearance: Distances | None
     arm_clearance: Distances | None
     found: bool
+    rows: tuple[RowValues, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,6 +167,8 @@ class Trajectory:
         finite(self.q, "q", (h, len(self.joints)))
         finite(self.arc_length, "arc_length", (h,))
         for name, value in vars(self.checked).items():
+            if name == "rows":
+                continue
             array = value.distance if isinstance(value, Distances) else value
             if np.ndim(array) > 0 and np.shape(array) != (h,):
                 raise ShapeError(f"({h},) is expected; given {np.shape(array)}", field=name)
@@ -181,6 +219,11 @@ class Trajectory:
     def max_bound_violation(self) -> float:
         """Largest violation of a bound [rad or m]."""
         return float(np.max(self.checked.bound_violation))
+
+    @property
+    def max_row_violation(self) -> float:
+        """Largest violation of a row of the task, 0 if all hold, in the unit of the row."""
+        return max((row.violation for row in self.checked.rows), default=0.0)
 
     @property
     def max_joint_step(self) -> float:

@@ -12,7 +12,7 @@ import numpy as np
 
 from dualarm_pin.answer.evidence import Evidence
 from dualarm_pin.answer.provenance import Timing, versions
-from dualarm_pin.answer.trajectory import Checked, Distances, Trajectory
+from dualarm_pin.answer.trajectory import Checked, Distances, RowValues, Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.reference import coupling, index_value
@@ -22,6 +22,7 @@ from dualarm_pin.tolerance import TOLERANCE, Tolerance
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+    from dualarm_pin.rows import Row
     from dualarm_pin.task import Task
 
 
@@ -117,6 +118,7 @@ def verify(
         ]
     )
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
+    rows = tuple(_row_values(task, row, q) for row in task.rows)
     return Checked(
         index=index,
         objective=float(np.sum(index)) + coupling(task.problem(), q)[0],
@@ -130,8 +132,16 @@ def verify(
         arm_clearance=arms,
         found=bool(np.all(position_error <= tolerance.position))
         and bool(np.all(rotation_error <= tolerance.rotation))
-        and bool(np.all(violation <= tolerance.bound)),
+        and bool(np.all(violation <= tolerance.bound))
+        and all(row.violation <= tolerance.row for row in rows),
+        rows=rows,
     )
+
+
+def _row_values(task: Task, row: Row, q: Array) -> RowValues:
+    points = tuple(i for i in range(task.path.h) if row.holds_at(i))
+    value = np.array([row.at(task.cell, q[i])[0] for i in points])
+    return RowValues(row.name, row.units, row.equality, points, value)
 
 
 def _distances(task: Task, q: Array, *, between_arms: bool = False) -> Distances | None:
@@ -172,6 +182,12 @@ def _rotation_distance(wanted: Array, given: Array, rows: int, spin_axis: Array)
 def _why_not(checked: Checked) -> str:
     if checked.found:
         return ""
+    broken = max(checked.rows, key=lambda row: row.violation, default=None)
+    if broken is not None and broken.violation > TOLERANCE.row:
+        return (
+            f"not verified: {broken.name} is violated by {broken.violation:.2g} {broken.units} at "
+            f"point {broken.worst + 1}"
+        )
     worst = int(np.argmax(checked.position_error + checked.rotation_error))
     return (
         f"not verified: point {worst + 1} is {checked.position_error[worst]:.2g} m and "

@@ -6,8 +6,11 @@ import math
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dualarm_pin.answer.evidence import Bound, Evidence
-from dualarm_pin.answer.trajectory import Distances, Trajectory
+from dualarm_pin.answer.trajectory import Distances, RowValues, Trajectory
+from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -41,6 +44,7 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
             ("arms apart by", lambda _, t: _number(t.arm_clearance, "m")),
             ("largest joint step", lambda _, t: _number(t.max_joint_step, "rad or m")),
             ("bounds violated by", lambda _, t: _number(t.max_bound_violation)),
+            ("constraints", lambda _, t: _constraints(t)),
             ("position error", lambda _, t: _number(t.max_position_error, "m")),
             ("rotation error", lambda _, t: _number(t.max_rotation_error, "rad")),
             ("message", lambda _, t: t.message),
@@ -108,6 +112,18 @@ def _clearance(clearance: Distances | None) -> str:
     text = _number(clearance.least, "m") + (" IN COLLISION" if clearance.touch else "")
     pair = clearance.closest
     return text if pair is None else f"{text}\n{pair[0]} - {pair[1]}"
+
+
+def _constraints(t: Trajectory) -> str:
+    """Say of each row how much room is left where it is least, or how far it is violated."""
+    return "\n".join(f"{row.name}: {_room(row)} at point {row.worst + 1}" for row in t.checked.rows)
+
+
+def _room(row: RowValues) -> str:
+    if row.violation > TOLERANCE.row:
+        return f"VIOLATED by {_number(row.violation, row.units)}"
+    least = float(np.max(np.abs(row.value)) if row.equality else np.min(row.value))
+    return f"{'off by' if row.equality else 'room'} {max(least, 0.0):.4f} {row.units}"
 
 
 def _time(_: Task, t: Trajectory) -> str:
