@@ -80,6 +80,10 @@ class Links(NamedTuple):
     weight: Array
     metric: Array
 
+    def metric_of(self, i: int) -> Array:
+        """Return the metric (n,) of the link from point i to i + 1; -1 is that before the first."""
+        return self.metric
+
 
 class Neighbours(NamedTuple):
     """Fixed postures before the first point and after the last.

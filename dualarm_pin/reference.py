@@ -57,7 +57,7 @@ def coupling(problem: Problem, q: Array) -> tuple[float, Array]:
     postures = np.concatenate([ends.posture[:1], q, ends.posture[1:]])
     weight = np.concatenate([ends.weight[:1], links.weight[:-1], ends.weight[1:]])
     step = np.diff(postures, axis=0)
-    pull = links.metric * step
+    pull = np.array([links.metric_of(i - 1) * d for i, d in enumerate(step)])
     squared = np.sum(pull * step, axis=1)
     slope = (4.0 * weight * squared)[:, None] * pull
     value = float(np.sum(weight * squared**2)) + float(np.sum(linear * q))

@@ -54,7 +54,9 @@ def full_hessian(data, at):
         H[i, :, i] = at.hessian[i]
     for i in range(k - 1):
         bend = 8.0 * data.links.weight[i] * np.outer(at.link[i], at.link[i])
-        H[i + 1, :, i] = H[i, :, i + 1] = -(at.stiffness[i] * np.diag(data.links.metric) + bend)
+        H[i + 1, :, i] = H[i, :, i + 1] = -(
+            at.stiffness[i] * np.diag(data.links.metric_of(i)) + bend
+        )
     return H.reshape(k * n, k * n)
 
 

@@ -97,16 +97,16 @@ def _link_block(weight: float, metric: Array, step: Array) -> Array:
 def _coupling(problem: Problem, q: Array, i: int) -> Array:
     """Return the Hessian block (n, n) of points i + 1 and i."""
     links = problem.links
-    return -_link_block(float(links.weight[i]), links.metric, q[i + 1] - q[i])
+    return -_link_block(float(links.weight[i]), links.metric_of(i), q[i + 1] - q[i])
 
 
 def _link_curvature(problem: Problem, q: Array, i: int) -> Array:
     """Return what the links of point i add to its Hessian block (n, n)."""
-    ends, metric = problem.neighbours, problem.links.metric
+    ends, metric_of, last = problem.neighbours, problem.links.metric_of, problem.k - 1
     if i > 0:
         block = -_coupling(problem, q, i - 1)
     else:
-        block = _link_block(float(ends.weight[0]), metric, q[0] - ends.posture[0])
+        block = _link_block(float(ends.weight[0]), metric_of(-1), q[0] - ends.posture[0])
     if i + 1 < problem.k:
         return block - _coupling(problem, q, i)
-    return block + _link_block(float(ends.weight[1]), metric, ends.posture[1] - q[-1])
+    return block + _link_block(float(ends.weight[1]), metric_of(last), ends.posture[1] - q[-1])

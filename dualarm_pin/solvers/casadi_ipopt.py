@@ -203,9 +203,8 @@ class _Terms:
             ca.Function("row", [q], [row_expression(row, problem.cell, pose)])
             for row in problem.rows
         ]
-        step = ca.SX.sym("s", n)
-        squared = ca.dot(ca.DM(problem.links.metric), step**2)
-        self._link = ca.Function("link", [step], [squared**2])
+        step, metric = ca.SX.sym("s", n), ca.SX.sym("m", n)
+        self._link = ca.Function("link", [step, metric], [ca.dot(metric, step**2) ** 2])
 
     def point(self, i: int, q: Any) -> Any:
         """Return what point i costs, its links to fixed neighbours included."""
@@ -213,14 +212,16 @@ class _Terms:
         cost = float(points.index_weight[i]) * self._cost(q, points.u[i])
         if points.linear[i].any():
             cost += self.ca.dot(self.ca.DM(points.linear[i]), q)
-        for at, end in ((0, 0), (self.problem.k - 1, 1)):
+        for end, at, link in ((0, 0, -1), (1, self.problem.k - 1, self.problem.k - 1)):
             if i == at and ends.weight[end] != 0.0:
-                cost += float(ends.weight[end]) * self._link(q - ends.posture[end])
+                metric = self.problem.links.metric_of(link)
+                cost += float(ends.weight[end]) * self._link(q - ends.posture[end], metric)
         return cost
 
     def link(self, i: int, step: Any) -> Any:
         """Return what the link from point i to the next costs."""
-        return float(self.problem.links.weight[i]) * self._link(step)
+        links = self.problem.links
+        return float(links.weight[i]) * self._link(step, links.metric_of(i))
 
     def rows(self, i: int, q: Any) -> Any:
         """Return the rows of point i: pose, further equalities, inequalities."""

@@ -15,6 +15,7 @@ from dualarm_pin.engine.interior_point.linear_algebra import (
     block_solve,
     orthonormal_basis,
 )
+from dualarm_pin.engine.interior_point.links import add_coupling
 from dualarm_pin.engine.jit.compiled import compiled, inlined
 from dualarm_pin.engine.workspace import Workspace
 from dualarm_pin.problem import Problem
@@ -67,21 +68,14 @@ def _reduce_diagonal(work: Workspace, i: int) -> None:
 
 @compiled
 def _reduce_coupling(problem: Problem, work: Workspace, i: int) -> None:
-    """Fill Z_i H_(i,i-1) Z_(i-1)^T, H_(i,i-1) = -(stiffness diag(m) + 8 w (m dq)(m dq)^T)."""
+    """Fill Z_i H_(i,i-1) Z_(i-1)^T."""
     n = work.gradient.shape[1]
     here, before = work.basis[i], work.basis[i - 1]
     rank, rank_before = work.rank[i], work.rank[i - 1]
-    stiffness, bend = work.stiffness[i - 1], 8.0 * problem.links.weight[i - 1]
-    link, half, block = work.link[i - 1], work.half, work.coupling[i]
-    metric, rows, columns = problem.links.metric, work.free[i], work.free[i - 1]
+    half, block, rows, columns = work.half, work.coupling[i], work.free[i], work.free[i - 1]
     for b in range(columns):
-        row, product = before[rank_before + b], half[b]
-        along = 0.0
-        for k in range(n):
-            along += link[k] * row[k]
-        along *= bend
-        for k in range(n):
-            product[k] = -(stiffness * metric[k] * row[k] + along * link[k])
+        half[b] = 0.0
+        add_coupling(problem, work, i - 1, before[rank_before + b], half[b])
     for a in range(rows):
         row = here[rank + a]
         for b in range(columns):
@@ -188,12 +182,5 @@ def hessian_times(problem: Problem, work: Workspace, x: Floats, out: Floats) -> 
                 entry += hessian[a, b] * x[i, b]
             out[i, a] = entry
     for i in range(count - 1):
-        link, stiffness, bend = work.link[i], work.stiffness[i], 8.0 * problem.links.weight[i]
-        here, after = 0.0, 0.0
-        for k in range(n):
-            here += link[k] * x[i, k]
-            after += link[k] * x[i + 1, k]
-        for k in range(n):
-            pull = stiffness * problem.links.metric[k]
-            out[i, k] -= pull * x[i + 1, k] + bend * after * link[k]
-            out[i + 1, k] -= pull * x[i, k] + bend * here * link[k]
+        add_coupling(problem, work, i, x[i + 1], out[i])
+        add_coupling(problem, work, i, x[i], out[i + 1])
