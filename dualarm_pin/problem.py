@@ -74,7 +74,7 @@ class Links(NamedTuple):
 
     Attributes:
         weight: (k,) lambda_i.
-        metric: (n,) diagonal m.
+        metric: (k, n) diagonal m_i; the fixed neighbours take that of the nearest link.
     """
 
     weight: Array
@@ -82,7 +82,7 @@ class Links(NamedTuple):
 
     def metric_of(self, i: int) -> Array:
         """Return the metric (n,) of the link from point i to i + 1; -1 is that before the first."""
-        return self.metric
+        return np.asarray(self.metric[min(max(i, 0), max(len(self.metric) - 2, 0))])
 
 
 class Neighbours(NamedTuple):
@@ -201,7 +201,7 @@ class Problem:
             spin_axis: (3,) axis in e2 whose spin is free where there are 5.
             u: (k, 6) directions in e1; zeros if the index needs none.
             link_weight: (k - 1,) or one number.
-            metric: (n,) or one number: joint metric in the links.
+            metric: (k - 1, n), (n,) or one number: joint metric in the links.
             index_weight: (k,) or one number.
             rows: What must hold beside the pose.
 
@@ -242,7 +242,7 @@ class Problem:
             size=_typical_size(cell, index, points.u, low, high),
             chain=_spin_frame(chain, turn),
             points=points,
-            links=Links(np.append(links, 0.0), checked("metric", metric, (n,))),
+            links=Links(np.append(links, 0.0), _metric(metric, k, n)),
             neighbours=Neighbours(np.zeros((2, n)), np.zeros(2)),
             terms=_index_terms(index, barrier),
             bounds=barrier,
@@ -373,7 +373,7 @@ class Problem:
         return replace(
             self,
             points=_take(self.points, which),
-            links=Links(links, self.links.metric),
+            links=Links(links, self.links.metric[which]),
             neighbours=Neighbours(posture, weight),
             equalities=_take(self.equalities, which),
             inequalities=_take(self.inequalities, which),
@@ -383,6 +383,14 @@ class Problem:
 def _take(record: R, which: slice | list[int]) -> R:
     """Return a record of arrays over some of its points: views for a slice."""
     return type(record)(*(array[which] for array in record))
+
+
+def _metric(given: ArrayLike, k: int, n: int) -> Array:
+    """Return the metric of the link after each point (k, n)."""
+    shape = (k - 1, n) if np.ndim(given) == 2 else (n,)
+    rows = np.broadcast_to(checked("metric", given, shape), (k - 1, n))
+    last = rows[-1:] if k > 1 else np.ones((1, n))
+    return np.ascontiguousarray(np.vstack([rows, last]))
 
 
 def _spin(axis: ArrayLike) -> tuple[Array, Array]:

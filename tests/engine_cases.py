@@ -163,7 +163,7 @@ def random_problem(
         spin_axis=rng.normal(size=3),
         u=rng.normal(size=(k, 6)),
         link_weight=rng.uniform(0.0, 3.0, k - 1),
-        metric=rng.uniform(0.5, 2.0, n),
+        metric=rng.uniform(0.5, 2.0, (k - 1, n)),
         index_weight=rng.uniform(0.0, 2.0, k),
         rows=rows,
     )

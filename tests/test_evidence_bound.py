@@ -45,7 +45,7 @@ def full_problem() -> Problem:
     weighted = problem.with_points(
         index_weight=random.uniform(0.5, 2.0, 9), linear=random.standard_normal((9, 12))
     )
-    links = problem.links._replace(metric=random.uniform(0.5, 2.0, 12))
+    links = problem.links._replace(metric=random.uniform(0.5, 2.0, (9, 12)))
     return replace(weighted, links=links)
 
 

@@ -58,7 +58,9 @@ def changed(problem: Problem, changes: dict[str, object]) -> Problem:
     if "index" in changes:
         return replace(problem, index=changes["index"])  # type: ignore[arg-type]
     if "metric" in changes:
-        return replace(problem, links=problem.links._replace(metric=changes["metric"]))  # type: ignore[arg-type]
+        return replace(
+            problem, links=problem.links._replace(metric=np.array([changes["metric"]] * 3))
+        )  # type: ignore[arg-type]
     return problem.with_points(**changes)  # type: ignore[arg-type]
 
 

@@ -19,11 +19,11 @@ def links_value(problem: Problem, q: Floats) -> float:
     links, ends, last = problem.links, problem.neighbours, q.shape[0] - 1
     total = 0.0
     for i in range(last):
-        total += _value(links.weight[i], links.metric, q[i], q[i + 1])
+        total += _value(links.weight[i], links.metric[i], q[i], q[i + 1])
     if ends.weight[0] != 0.0:
-        total += _value(ends.weight[0], links.metric, ends.posture[0], q[0])
+        total += _value(ends.weight[0], links.metric[0], ends.posture[0], q[0])
     if ends.weight[1] != 0.0:
-        total += _value(ends.weight[1], links.metric, q[last], ends.posture[1])
+        total += _value(ends.weight[1], links.metric[max(last - 1, 0)], q[last], ends.posture[1])
     return total
 
 
@@ -32,24 +32,27 @@ def add_links(problem: Problem, work: Workspace, q: Floats) -> None:
     """Add the links to gradient and diagonal blocks; keep pull and stiffness of every link."""
     links, ends, last = problem.links, problem.neighbours, q.shape[0] - 1
     for i in range(last):
-        stiffness = _pull(links.weight[i], links.metric, q[i], q[i + 1], work.link[i])
+        metric = links.metric[i]
+        stiffness = _pull(links.weight[i], metric, q[i], q[i + 1], work.link[i])
         work.stiffness[i] = stiffness
-        _add(work, i, -1.0, links.weight[i], stiffness, work.link[i], links.metric)
-        _add(work, i + 1, 1.0, links.weight[i], stiffness, work.link[i], links.metric)
+        _add(work, i, -1.0, links.weight[i], stiffness, work.link[i], metric)
+        _add(work, i + 1, 1.0, links.weight[i], stiffness, work.link[i], metric)
     room = work.link[last]
     if ends.weight[0] != 0.0:
-        stiffness = _pull(ends.weight[0], links.metric, ends.posture[0], q[0], room)
-        _add(work, 0, 1.0, ends.weight[0], stiffness, room, links.metric)
+        metric = links.metric[0]
+        stiffness = _pull(ends.weight[0], metric, ends.posture[0], q[0], room)
+        _add(work, 0, 1.0, ends.weight[0], stiffness, room, metric)
     if ends.weight[1] != 0.0:
-        stiffness = _pull(ends.weight[1], links.metric, q[last], ends.posture[1], room)
-        _add(work, last, -1.0, ends.weight[1], stiffness, room, links.metric)
+        metric = links.metric[max(last - 1, 0)]
+        stiffness = _pull(ends.weight[1], metric, q[last], ends.posture[1], room)
+        _add(work, last, -1.0, ends.weight[1], stiffness, room, metric)
 
 
 @compiled
 def add_coupling(problem: Problem, work: Workspace, i: int, x: Floats, out: Floats) -> None:
     """Add the Hessian block of points i and i + 1 times x (n,): it is symmetric."""
     link, stiffness = work.link[i], work.stiffness[i]
-    metric = problem.links.metric
+    metric = problem.links.metric[i]
     along = 0.0
     for k in range(x.shape[0]):
         along += link[k] * x[k]
