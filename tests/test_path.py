@@ -14,8 +14,8 @@ from hypothesis import strategies as st
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
-from dualarm_pin.path.generators import circle, corner, helix
 from dualarm_pin.path.path import through
+from dualarm_pin.path.paths import circle, corner, helix
 
 LINE = np.array([[0.0, 0, 0], [0.1, 0, 0], [0.3, 0, 0]])
 

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dualarm_pin.errors import InputError
-from dualarm_pin.path import generators as paths
+from dualarm_pin.path import paths
 
 FACING = np.diag([1.0, -1.0, -1.0])
 SQUARE = [[0, 0, 0], [0.2, 0, 0], [0.2, 0.2, 0], [0, 0.2, 0]]

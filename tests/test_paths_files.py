@@ -11,8 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.path import Path, files
-from dualarm_pin.path import generators as paths
+from dualarm_pin.path import Path, files, paths
 from dualarm_pin.path.resample import resample
 
 HEAD = "x,y,z,qw,qx,qy,qz\n"

@@ -12,7 +12,7 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verify
 from dualarm_pin.errors import UnknownNameError
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.path.generators import corner
+from dualarm_pin.path.paths import corner
 from dualarm_pin.planners import plan_local, plan_two_stage, polish
 from dualarm_pin.planners.methods import plan
 from dualarm_pin.planners.two_stage import _gaps
@@ -159,10 +159,10 @@ def test_verification_fails_what_is_off_the_path_or_out_of_bounds(
 
 
 def test_ctrl_c_keeps_what_is_finished(short: Task, monkeypatch: pytest.MonkeyPatch) -> None:
-    from dualarm_pin.planners import two_stage as module
+    from dualarm_pin.solvers import slsqp
 
     calls = 0
-    solve = module.nlopt_slsqp.solve
+    solve = slsqp.solve
 
     def stop_at_the_eighth(*arguments: object, **options: object) -> object:
         nonlocal calls
@@ -171,7 +171,7 @@ def test_ctrl_c_keeps_what_is_finished(short: Task, monkeypatch: pytest.MonkeyPa
             raise KeyboardInterrupt
         return solve(*arguments, **options)  # type: ignore[arg-type]
 
-    monkeypatch.setattr(module.nlopt_slsqp, "solve", stop_at_the_eighth)
+    monkeypatch.setattr(slsqp, "solve", stop_at_the_eighth)
     answer = plan_two_stage(short, starts=6, seed=1, jobs=1, basins=2, inner=2)
     assert answer.found
     assert answer.notes.interrupted

@@ -9,9 +9,8 @@ import pytest
 
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.files.task_spec import INDEX_NAMES
-from dualarm_pin.indices import force
-from dualarm_pin.path.generators import corner
+from dualarm_pin.indices import INDICES, force
+from dualarm_pin.path.paths import corner
 from dualarm_pin.task import Task
 
 TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
@@ -27,7 +26,7 @@ def test_the_paper_s_task_is_the_paper_s() -> None:
     assert not task.path.u[:, 3:].any()
 
 
-@pytest.mark.parametrize("name", INDEX_NAMES)
+@pytest.mark.parametrize("name", INDICES)
 def test_every_index_of_a_file_is_made(name: str) -> None:
     weights = f"task_weights: [1, 1, 1, 0.1, 0.1, 0.1], joint_weights: {[1.0] * 11 + [2.0]}"
     task = Task.load(TASK, [f"index={{{name}: {{{weights}}}, joint_centre: 0.2}}"])

@@ -12,9 +12,10 @@ from dualarm_pin.bench.run import Inputs, digest
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.cell_spec import CellSpec
+from dualarm_pin.files.read_task import read_task
 from dualarm_pin.files.source import Key, Source, check, plain
-from dualarm_pin.files.task_spec import TaskSpec, read_task
 from dualarm_pin.robot.packages import find_file
+from dualarm_pin.task.spec import TaskSpec
 
 _NAMES_FILES = ("urdf", "srdf", "xacro", "package_dirs", "tip", "group")
 _PATH_FILES = ("csv", "gcode", "apt")

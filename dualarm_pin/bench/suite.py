@@ -22,7 +22,7 @@ from dualarm_pin.files.suite_spec import (
     StepsSpec,
     SuiteSpec,
 )
-from dualarm_pin.planners.methods import EFFORTS, METHODS, SOLVERS
+from dualarm_pin.planners.methods import EFFORTS, METHODS
 
 _MOST_RUNS = 1_000_000
 
@@ -122,9 +122,9 @@ def _methods(source: Source, spec: SuiteSpec) -> Iterator[tuple[Method, MethodEn
     for i, entry in enumerate(spec.methods):
         keys: list[Key] = ["methods", i]
         if entry.method is not None:
-            _known(source, keys, "method", entry.method, METHODS)
+            _known(source, keys, "method", entry.method, tuple(METHODS))
             if entry.solver is not None:
-                _known(source, keys, "solver", entry.solver, SOLVERS[entry.method])
+                _known(source, keys, "solver", entry.solver, tuple(METHODS[entry.method].solvers))
         if entry.effort is not None:
             _known(source, keys, "effort", entry.effort, EFFORTS)
         options = dict(entry.options)

@@ -7,7 +7,8 @@ line. Pydantic models then check names, types and ranges; all mistakes are repor
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeVar, get_args
@@ -60,6 +61,17 @@ class Source:
         return InputError(
             message, file=self.path, line=self.line(keys), field=".".join(str(k) for k in keys)
         )
+
+    @contextmanager
+    def blamed(self) -> Iterator[None]:
+        """Name this file and the line in an error that names a field and no file."""
+        try:
+            yield
+        except InputError as error:
+            if error.file is not None or error.field is None:
+                raise
+            keys = [int(key) if key.isdigit() else key for key in error.field.split(".")]
+            raise self.error(error.message, keys) from error
 
 
 def read_yaml(path: str | Path) -> Source:

@@ -5,6 +5,8 @@ are and the engine compiles them. Smaller is better for every index. Distance to
 comes on top of any of them: `force().with_joint_centre(0.1)`.
 """
 
+from collections.abc import Callable
+
 from dualarm_pin.indices.checks import DerivativeReport, check_derivatives
 from dualarm_pin.indices.custom import custom
 from dualarm_pin.indices.index import Index
@@ -15,7 +17,14 @@ from dualarm_pin.indices.spectral import (
 )
 from dualarm_pin.indices.transmission import force, velocity
 
+INDICES: dict[str, Callable[..., Index]] = {
+    factory.__name__: factory
+    for factory in (force, velocity, yoshikawa, inverse_condition_number, smallest_singular_value)
+}
+"""The indices that task files name; a new one is a factory in a file of its own, and an entry."""
+
 __all__ = [
+    "INDICES",
     "DerivativeReport",
     "Index",
     "check_derivatives",

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Callable
-from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -12,72 +9,82 @@ import pinocchio as pin
 
 from dualarm_pin.arrays import rotations
 from dualarm_pin.errors import InputError
+from dualarm_pin.files.call import ModuleAndFunction, own_function
 from dualarm_pin.files.cell_spec import PlacementSpec
-from dualarm_pin.files.path_spec import PathSpec
-from dualarm_pin.files.source import Spec
-from dualarm_pin.path import Path, generators
-from dualarm_pin.path.files.apt import read_apt
-from dualarm_pin.path.files.csv_file import read_csv
-from dualarm_pin.path.files.gcode import read_gcode
-
-_GENERATORS: dict[str, Callable[..., Path]] = {
-    "corner": generators.corner,
-    "polyline": generators.polyline,
-    "circle": generators.circle,
-    "arc": generators.arc,
-    "helix": generators.helix,
-    "raster": generators.raster,
-    "sine": generators.sine,
-    "figure_eight": generators.figure_eight,
-    "dome_spiral": generators.dome_spiral,
-    "tube_seam": generators.tube_seam,
-    "spline": generators.spline,
-}
-
-_FILES: dict[str, Callable[..., Path]] = {"csv": read_csv, "gcode": read_gcode, "apt": read_apt}
-_DEGREES = {angle: f"{angle}_deg" for angle in ("start", "stop", "inner", "outer", "tilt")}
+from dualarm_pin.files.signature import ArgumentsSpec, spec_of
+from dualarm_pin.files.source import Key, Source, check
+from dualarm_pin.path.path import Path
+from dualarm_pin.path.paths import GENERATORS
+from dualarm_pin.path.spec import HoldSpec, PathSpec
 
 
-def load_path(spec: PathSpec, folder: FilePath) -> Path:
+class _HoldAndCall(HoldSpec, ArgumentsSpec):
+    """What stands among the arguments of a generator of the user's own."""
+
+    beside = (*HoldSpec.model_fields, "call")
+
+    call: ModuleAndFunction
+
+
+def load_path(spec: PathSpec, source: Source, keys: tuple[Key, ...] = ("path",)) -> Path:
     """Return the path that a task file asks for.
 
     Args:
         spec: The checked section.
-        folder: Where relative file names start: the folder of the task file.
+        source: The file: where relative names of files start; allowed to run code if it calls any.
+        keys: Where the section stands in it.
 
     Raises:
         InputError: The geometry or a file is wrong. The message names the field of the task file,
             such as path.corner.fillet, or the file of points and its line.
     """
     name = spec.generator
+    if name == "call":
+        return _own_path(spec, source, keys)
     section = getattr(spec, name)
+    arguments = section.arguments
+    if "file" in arguments:
+        arguments["file"] = source.path.parent / arguments["file"]
     try:
-        if name in _FILES:
-            arguments = _arguments(section)
-            file = folder / arguments.pop("file")
-            return _FILES[name](file, **arguments, **_hold(spec))
-        return _GENERATORS[name](**_arguments(section), **_hold(spec))
+        return GENERATORS[name](**arguments, **_hold(spec))
     except InputError as error:
         if error.file is not None:
             raise
-        raise type(error)(error.message, field=_place(error.field, name)) from error
+        raise _placed(error, source, keys, name, type(section).model_fields) from error
 
 
-def _place(field: str | None, generator: str) -> str:
-    """Return where a field stands in the task file."""
-    if field in ("rotation", "orientation", "free", "spin_axis", "frame"):
-        return f"path.{field}"
-    return f"path.{generator}" + (f".{_DEGREES.get(field, field)}" if field else "")
+def _own_path(spec: HoldSpec, source: Source, keys: tuple[Key, ...]) -> Path:
+    """Return the path of a generator of the user's own, its keys checked like those of ours."""
+    own = own_function(source, keys, {})
+    given = check(source, spec_of(own.function, _HoldAndCall), keys)
+    return own.result(Path, **given.arguments, **_hold(spec))
 
 
-def _hold(spec: PathSpec) -> dict[str, Any]:
-    how: dict[str, Any] = {"free": spec.free, "spin_axis": spec.spin_axis}
-    if spec.rotation is not None:
-        how["rotation"] = spec.rotation
+def _placed(
+    error: InputError, source: Source, keys: tuple[Key, ...], name: str, known: Any
+) -> InputError:
+    """Return the error of a generator as one of the field of the task file."""
+    place: list[Key] = [*keys]
+    if error.field in HoldSpec.model_fields:
+        place.append(str(error.field))
+    else:
+        place.append(name)
+        if error.field:
+            degrees = f"{error.field}_deg"
+            place.append(degrees if degrees in known else error.field)
+    located = source.error(error.message, place)
+    return type(error)(error.message, file=located.file, line=located.line, field=located.field)
+
+
+def _hold(spec: HoldSpec) -> dict[str, Any]:
+    """Return how the tool is held, as far as the file says so."""
+    how: dict[str, Any] = {
+        key: getattr(spec, key)
+        for key in ("rotation", "orientation", "free", "spin_axis")
+        if key in spec.model_fields_set and getattr(spec, key) is not None
+    }
     if spec.rpy_deg is not None:
         how["rotation"] = pin.rpy.rpyToMatrix(*np.radians(spec.rpy_deg))
-    if spec.orientation is not None:
-        how["orientation"] = spec.orientation
     if spec.frame is not None:
         how["frame"] = _frame(spec.frame)
     return how
@@ -90,15 +97,3 @@ def _frame(spec: PlacementSpec) -> pin.SE3:
     if spec.rotation is not None:
         rotation = rotations(spec.rotation, (1, 3, 3))[0]
     return pin.SE3(rotation, np.array(spec.xyz))
-
-
-def _arguments(section: Spec) -> dict[str, Any]:
-    """Return the keys of a section as arguments: `x_deg` [deg] becomes `x` [rad]."""
-    given: dict[str, Any] = {}
-    for key in sorted(section.model_fields_set):
-        value = getattr(section, key)
-        if key.endswith("_deg"):
-            given[key.removesuffix("_deg")] = math.radians(value)
-        else:
-            given[key] = value
-    return given

@@ -9,7 +9,8 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.path.generators.curve import Piece, at_arc_length, line_piece, sample
+from dualarm_pin.path.generators.curve import at_arc_length, sample
+from dualarm_pin.path.generators.piece import Piece, line_piece
 from dualarm_pin.path.generators.spatial import spline_pieces
 from dualarm_pin.tolerance import TOLERANCE
 

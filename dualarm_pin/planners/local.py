@@ -82,7 +82,7 @@ def plan_local(
     if q_first is None:
         q_first = best_first_posture(problem, starts, seed)
         if q_first is None:
-            return unreachable(task, "local", f"pseudo-inverse-{variant}", seed, clock)
+            return unreachable(task, problem, "local", f"pseudo-inverse-{variant}", seed, clock)
     progress.stage(f"pseudo-inverse, {variant}", problem.k - 1)
     report = _Report([], [])
     walk = problem

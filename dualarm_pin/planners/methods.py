@@ -1,9 +1,13 @@
-"""One call for every method by its name: what the command line and batches use."""
+"""One call for every method by its name: what the command line and batches use.
+
+A method is one entry of `METHODS`. A planner of your own needs none: `plan(task, my_planner)`.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, get_args
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, get_args
 
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
@@ -13,39 +17,61 @@ from dualarm_pin.planners.two_stage import plan_two_stage
 from dualarm_pin.planners.whole_path import Effort, plan_global
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.solvers.casadi_ipopt import PLUGINS
+from dualarm_pin.solvers.shipped import SOLVERS
+from dualarm_pin.solvers.solver import Solver, error_about
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 EFFORTS: tuple[str, ...] = get_args(Effort)
-SOLVERS: dict[str, tuple[str, ...]] = {
-    "global": ("engine",),
-    "two-stage": ("nlopt-slsqp",),
-    "local": VARIANTS,
-    "casadi": PLUGINS,
-    "pink": ("relative-frame",),
+
+
+@dataclass(frozen=True)
+class PlannerEntry:
+    """A planner that has a name.
+
+    Attributes:
+        function: Called with the task, `seed`, `progress` and what of the rest it takes.
+        solvers: What `--solver` may name, and what the function gets for it.
+        keyword: Under which keyword it gets that.
+        options: Which of `effort`, `starts` and `jobs` it takes.
+    """
+
+    function: Callable[..., Trajectory]
+    solvers: Mapping[str, Any]
+    keyword: str = "solver"
+    options: tuple[str, ...] = ("starts",)
+
+
+METHODS: dict[str, PlannerEntry] = {
+    "global": PlannerEntry(plan_global, SOLVERS, options=("effort", "starts", "jobs")),
+    "two-stage": PlannerEntry(plan_two_stage, SOLVERS, options=("starts", "jobs")),
+    "local": PlannerEntry(plan_local, {name: name for name in VARIANTS}, "variant"),
+    "casadi": PlannerEntry(plan_casadi, {name: name for name in PLUGINS}, "plugin"),
+    "pink": PlannerEntry(plan_pink, {}),
 }
-METHODS = tuple(SOLVERS)
 
 
 def plan(
     task: Task,
-    method: str = "global",
+    method: str | Callable[..., Trajectory] | None = None,
     *,
     effort: str = "normal",
-    solver: str | None = None,
+    solver: str | Solver | None = None,
     starts: int | None = None,
     seed: int = 0,
     jobs: int | None = None,
     progress: Progress = SILENT,
 ) -> Trajectory:
-    """Plan with a method given by name.
+    """Plan with a method given by name, or with a planner of your own.
 
     Args:
         task: What is asked.
-        method: `global`, `two-stage` or `local`; `casadi` and `pink` need their extras.
+        method: A name in `METHODS`, or a function (task, seed=...) that returns a `Trajectory`;
+            None takes that of the task, else the whole path at once.
         effort: `quick`, `normal` or `thorough`; for `global` alone.
-        solver: One of `SOLVERS[method]`; None takes the method's default.
+        solver: A name that the method knows, or a `Solver` where it takes any; None takes that of
+            the task, else the method's default.
         starts: Number of starts; None takes the method's default.
         seed: Seed of the starts.
         jobs: Threads or processes; None takes the processors there are.
@@ -53,36 +79,45 @@ def plan(
 
     Raises:
         UnknownNameError: No such method, effort or solver.
-        InputError: A number is out of range.
+        InputError: A number is out of range, or a function of your own returns something else.
     """
-    _known("method", method, METHODS)
-    _known("effort", effort, EFFORTS)
-    if solver is not None:
-        _known("solver", solver, SOLVERS[method])
+    method = method or task.method or "global"
     for name, number in (("starts", starts), ("jobs", jobs)):
         if number is not None and number < 1:
             raise InputError(f"at least 1 is expected; given {number}", field=f"--{name}")
     if seed < 0:
         raise InputError(f"0 or more is expected; given {seed}", field="--seed")
-    if method == "global":
-        return plan_global(
-            task, effort=effort, starts=starts, seed=seed, jobs=jobs, progress=progress
-        )
-    if method == "two-stage":
-        return plan_two_stage(task, starts=starts or 100, seed=seed, jobs=jobs, progress=progress)
-    if method == "casadi":
-        return plan_casadi(
-            task, plugin=solver or "ipopt", starts=starts or 10, seed=seed, progress=progress
-        )
-    if method == "pink":
-        return plan_pink(task, starts=starts or 20, seed=seed, progress=progress)
-    variant = next(v for v in VARIANTS if v == (solver or "qp"))
-    return plan_local(task, variant=variant, seed=seed, starts=starts or 20, progress=progress)
+    if not isinstance(method, str):
+        return _own(method, task, seed)
+    _known("method", method, METHODS)
+    _known("effort", effort, EFFORTS)
+    entry = METHODS[method]
+    given = {"effort": effort, "starts": starts, "jobs": jobs}
+    arguments: dict[str, Any] = {
+        name: given[name] for name in entry.options if given[name] is not None
+    }
+    solver = solver or task.solver
+    if isinstance(solver, str):
+        _known("solver", solver, entry.solvers)
+        arguments[entry.keyword] = entry.solvers[solver]
+    elif solver is not None and entry.solvers is not SOLVERS:
+        allowed = ", ".join(entry.solvers) or "none"
+        raise error_about(solver, f"the method {method!r} takes no solver but its own: {allowed}")
+    elif solver is not None:
+        arguments["solver"] = solver
+    return entry.function(task, seed=seed, progress=progress, **arguments)
 
 
-def _known(field: str, given: str, known: Sequence[str]) -> None:
+def _own(planner: Callable[..., Trajectory], task: Task, seed: int) -> Trajectory:
+    answer = planner(task, seed=seed)
+    if not isinstance(answer, Trajectory):
+        raise error_about(planner, f"a Trajectory is expected; it returned {answer!r:.80}")
+    return answer
+
+
+def _known(field: str, given: str, known: Sequence[str] | Mapping[str, Any]) -> None:
     if given not in known:
-        allowed = ", ".join(known)
+        allowed = ", ".join(known) or "none"
         raise UnknownNameError(
             f"unknown {field} {given!r}: {nearest(given, known)} (allowed: {allowed})",
             field=f"--{field}",

@@ -8,6 +8,7 @@ task, and is judged by them all the same.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,8 +24,10 @@ from dualarm_pin.planners.local import best_first_posture
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import Solution, distinct, same_path
 from dualarm_pin.solvers import casadi_ipopt
 from dualarm_pin.solvers.projection import project_point
+from dualarm_pin.solvers.solver import ends_of
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -58,18 +61,15 @@ def plan_casadi(
     programme = casadi_ipopt.build(problem, plugin)
     drawn = common_postures(problem.lower, problem.upper, problem.k, starts, generator(seed, 20))
     progress.stage(f"CasADi, {plugin}", starts)
-    ends = []
-    for number, start in enumerate(drawn):
-        ends.append(programme.solve(start, number=number))
+    found = []
+    for start in drawn:
+        found.append(programme.solve(start))
         progress.advance()
-    feasible = [end for end in ends if end.feasible]
+    feasible = [end for end in found if end.feasible]
     solver = f"casadi-{plugin}"
     if not feasible:
-        return unreachable(task, "casadi", solver, seed, clock)
+        return unreachable(task, problem, "casadi", solver, seed, clock)
     best = min(feasible, key=lambda end: end.objective)
-    values = np.array([end.objective for end in feasible if end.converged])
-    best_hits = int(np.sum(values <= best.objective * (1.0 + 1e-5)))
-    law = LawCount(starts, len(values), len(np.unique(np.round(values, 4))), best_hits)
     return verified(
         task,
         best.q,
@@ -77,9 +77,20 @@ def plan_casadi(
         solver=solver,
         timing=clock.read(),
         seed=seed,
-        evidence=Evidence(laws={"whole path": law}),
-        notes=CasadiNotes(build_s=programme.build_s, solve_s=tuple(end.wall_s for end in ends)),
+        evidence=Evidence(laws={"whole path": count_starts(found, best, problem.size)}),
+        notes=CasadiNotes(build_s=programme.build_s, solve_s=tuple(end.wall_s for end in found)),
     )
+
+
+def count_starts(found: Sequence[Solution], best: Solution, size: float = 1.0) -> LawCount:
+    """Return what starts came to: minima, and hits of the best, told apart by their joints."""
+    minima = distinct(ends_of(found, size))
+    hits = [
+        int(count)
+        for q, count in zip(minima.ends.q, minima.hits, strict=True)
+        if same_path(q, best.q)
+    ]
+    return LawCount(len(found), int(minima.hits.sum()), len(minima), sum(hits))
 
 
 def plan_pink(
@@ -113,7 +124,7 @@ def plan_pink(
     follower = _PinkFollower(task, manipulability, 1.0 / (problem.k - 1) / substeps)
     q_first = best_first_posture(problem, starts, seed)
     if q_first is None:
-        return unreachable(task, "pink", "relative-frame", seed, clock)
+        return unreachable(task, problem, "pink", "relative-frame", seed, clock)
     progress.stage("Pink", problem.k - 1)
     q = [project_point(problem, 0, q_first)[0]]
     gave_way = []

@@ -27,8 +27,8 @@ from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.search.workers import Workers
 from dualarm_pin.solution import Solution, Solutions, distinct
-from dualarm_pin.solvers import slsqp as nlopt_slsqp
-from dualarm_pin.solvers.slsqp import SlsqpOptions
+from dualarm_pin.solvers.shipped import SLSQP
+from dualarm_pin.solvers.solver import Solver, cut_off, name_of, solve_one
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -54,7 +54,7 @@ def plan_two_stage(
     jobs: int | None = None,
     basins: int = 6,
     inner: int = 5,
-    options: SlsqpOptions | None = None,
+    solver: Solver = SLSQP,
     progress: Progress = SILENT,
     workers: Workers | None = None,
 ) -> Trajectory:
@@ -68,7 +68,8 @@ def plan_two_stage(
         jobs: Number of processes; None takes the processors there are.
         basins: How many distinct minima of stage 1 are carried on.
         inner: Most points of a gap found at once (k in the paper); larger gaps are split again.
-        options: Stop criteria of NLopt.
+        solver: What takes each start to its minimum, the paper's by default. In several processes
+            it must be one that they can import.
         progress: Told where the work stands.
         workers: A pool to use instead of `jobs` new processes.
 
@@ -78,7 +79,6 @@ def plan_two_stage(
     clock = Clock.start()
     own = workers is None
     pool = workers or Workers(jobs)
-    options = options or SlsqpOptions()
     try:
         problem = task.problem()
         Gamma = task.Gamma
@@ -87,38 +87,40 @@ def plan_two_stage(
             problem.lower, problem.upper, len(Gamma), starts, generator(seed, 1)
         )
         progress.stage(f"stage 1: {len(Gamma)} points, {starts} starts", starts)
-        ends = _solve_all(pool, [(first, start, options) for start in drawn], progress)
-        feasible = sum(end.feasible for end in ends)
+        found = _solve_all(pool, [(solver, first, start) for start in drawn], progress)
+        feasible = sum(end.feasible for end in found)
         if not feasible and pool.interrupted:
             raise KeyboardInterrupt  # nothing is finished that could be kept
         if not feasible:
-            return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
-        minima = distinct(Solutions.of(ends))
+            return unreachable(task, problem, "two-stage", name_of(solver), seed, clock)
+        minima = distinct(Solutions.of(found))
         progress.line(
             f"stage 1: {feasible} of {starts} starts feasible, {len(minima)} distinct minima, "
             f"best {minima.ends.objective[0]:.4f}"
         )
         candidates = [dict(zip(Gamma, q, strict=True)) for q in minima.ends.q[:basins]]
         few = max(1, starts // 10)
-        paths = _fill_all(task, candidates, few, inner, seed, options, pool, progress)
+        paths = _fill_all(task, problem, candidates, few, inner, seed, solver, pool, progress)
         if paths and starts > few and not pool.interrupted:
             # The leader gets the full number of starts, the rest had the likely ones.
             leader = [candidates[paths[0][0]]]
-            again = _fill_all(task, leader, starts, inner, seed, options, pool, progress)
+            again = _fill_all(task, problem, leader, starts, inner, seed, solver, pool, progress)
             paths = sorted([*paths, *again], key=lambda path: path[1])
         if not paths and pool.interrupted:
             # One basin with the likely start takes a second: better a whole path than none.
             progress.line("stopped: filling in the best answer so far")
             with Workers(1) as here:
-                paths = _fill_all(task, candidates[:1], 1, inner, seed, options, here, progress)
+                paths = _fill_all(
+                    task, problem, candidates[:1], 1, inner, seed, solver, here, progress
+                )
         if not paths:
-            return unreachable(task, "two-stage", nlopt_slsqp.NAME, seed, clock)
+            return unreachable(task, problem, "two-stage", name_of(solver), seed, clock)
         law = LawCount(starts, feasible, len(minima), int(minima.hits[0]))
         return verified(
             task,
             paths[0][2],
             method="two-stage",
-            solver=nlopt_slsqp.NAME,
+            solver=name_of(solver),
             timing=clock.read(workers_cpu_s=pool.cpu_s),
             seed=seed,
             evidence=Evidence(laws={"stage 1": law}),
@@ -136,16 +138,16 @@ def plan_two_stage(
 
 def _fill_all(
     task: Task,
+    problem: Problem,
     basins: Sequence[Known],
     starts: int,
     inner: int,
     seed: int,
-    options: SlsqpOptions,
+    solver: Solver,
     pool: Workers,
     progress: Progress,
 ) -> list[tuple[int, float, Array]]:
     """Fill every gap of every basin; return (basin, objective (19), q (h, n)), best first."""
-    problem = task.problem()
     filled: dict[int, Known] = {number: dict(basin) for number, basin in enumerate(basins)}
     level = 0
     while True:
@@ -161,17 +163,17 @@ def _fill_all(
             f"stage 2: {len(filled)} basins, {len(gaps)} gaps, {starts} starts each",
             len(gaps) * starts,
         )
-        calls, owner = [], []
+        runs, owner = [], []
         for number, gap in gaps:
             between = _gap_problem(task, problem, filled[number], gap)
             for start in _gap_starts(between, gap, filled[number], starts, seed, level):
-                calls.append((between, start, options))
+                runs.append((solver, between, start))
                 owner.append((number, gap))
-        ends = _solve_all(pool, calls, progress)
+        found = _solve_all(pool, runs, progress)
         for number, gap in gaps:
             mine = [
                 end
-                for end, who in zip(ends, owner, strict=True)
+                for end, who in zip(found, owner, strict=True)
                 if who == (number, gap) and end.feasible
             ]
             if number not in filled:
@@ -217,14 +219,8 @@ def _gap_starts(
 
 
 def _solve_all(
-    pool: Workers, calls: Sequence[tuple[Problem, Array, SlsqpOptions]], progress: Progress
+    pool: Workers, runs: Sequence[tuple[Solver, Problem, Array]], progress: Progress
 ) -> list[Solution]:
     """Solve each; a start that Ctrl-C cut off is solved no more and counts as infeasible."""
-    ends = pool.run(nlopt_slsqp.solve, calls, progress.advance)
-    return [
-        _cut_off(call[1]) if end is None else end for end, call in zip(ends, calls, strict=True)
-    ]
-
-
-def _cut_off(start: Array) -> Solution:
-    return Solution(start, np.inf, np.inf, feasible=False, converged=False, message="interrupted")
+    found = pool.run(solve_one, runs, progress.advance)
+    return [cut_off(run[2]) if end is None else end for end, run in zip(found, runs, strict=True)]

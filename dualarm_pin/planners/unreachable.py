@@ -50,10 +50,15 @@ def feasible_postures(
 
 
 def unreachable(
-    task: Task, method: str, solver: str, seed: int, clock: Clock, tries: int = 200
+    task: Task,
+    problem: Problem,
+    method: str,
+    solver: str,
+    seed: int,
+    clock: Clock,
+    tries: int = 200,
 ) -> Trajectory:
     """Return the trajectory that was not found, naming the first point without a solution."""
-    problem = task.problem()
     q = []
     blame = ""
     for i in range(problem.k):

@@ -21,6 +21,8 @@ from dualarm_pin.search.anchored import AnchoredSearch
 from dualarm_pin.search.whole_path import WholePathSearch
 from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.solvers.shipped import ENGINE
+from dualarm_pin.solvers.solver import Solver, name_of, solve_one
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -63,6 +65,7 @@ def plan_global(
     task: Task,
     *,
     effort: str = "normal",
+    solver: Solver = ENGINE,
     starts: int | None = None,
     seed: int = 0,
     jobs: int | None = None,
@@ -74,6 +77,8 @@ def plan_global(
         task: What is asked.
         effort: `quick` (anchors and check), `normal` (and starts by two laws) or `thorough` (and
             the lower bound).
+        solver: What takes each start to its minimum. The check and the bound have the compiled
+            engine whatever this is.
         starts: Starts of each law; None takes those of the effort, growing while the laws
             disagree.
         seed: Seed of the starts: the same answer for any number of threads.
@@ -94,13 +99,13 @@ def plan_global(
     problem = task.problem()
     clock = Clock.start()
     compile_s = engine.ensure_compiled(progress.line)
-    search = _Search(problem, budget, seed, jobs, progress)
+    search = _Search(problem, budget, seed, jobs, solver, progress)
     interrupted = _until_ctrl_c(search.run)
     best = search.best()
     if best is None and interrupted:
         raise KeyboardInterrupt  # nothing is finished that could be kept
     if best is None:
-        return unreachable(task, "global", engine.NAME, seed, clock)
+        return unreachable(task, problem, "global", name_of(solver), seed, clock)
     q, local = check_minimum(problem, best, seed=seed, jobs=jobs)
     bound = None
     if budget.bound and not interrupted:
@@ -118,7 +123,7 @@ def plan_global(
         task,
         q,
         method="global",
-        solver=engine.NAME,
+        solver=name_of(solver),
         timing=clock.read(compile_s),
         seed=seed,
         evidence=conclude(findings),
@@ -126,22 +131,28 @@ def plan_global(
     )
 
 
-def polish(task: Task, q: Array, *, seed: int | None = None) -> Trajectory:
+def polish(task: Task, q: Array, *, solver: Solver = ENGINE, seed: int | None = None) -> Trajectory:
     """Minimise (19) over all points from joints q (h, n); never worse than q.
+
+    Args:
+        task: What is asked.
+        q: Joints (h, n).
+        solver: What minimises it.
+        seed: Seed from which q came, for the record.
 
     Returns:
         The minimum of the basin of q, or q itself if the solver did not do better.
     """
     problem = task.problem()
     clock = Clock.start()
-    compile_s = engine.ensure_compiled()
-    end = engine.solve(problem, q)
+    compile_s = engine.ensure_compiled() if solver is ENGINE else 0.0
+    end = solve_one(solver, problem, q)
     better = end.feasible and end.objective <= problem.objective(q)
     return verified(
         task,
         end.q if better else q,
         method="polish",
-        solver=engine.NAME,
+        solver=name_of(solver),
         timing=clock.read(compile_s),
         seed=seed,
         notes=PolishNotes(improved=better),
@@ -152,11 +163,17 @@ class _Search:
     """Both laws, as far as the budget goes."""
 
     def __init__(
-        self, problem: Problem, budget: Budget, seed: int, jobs: int | None, progress: Progress
+        self,
+        problem: Problem,
+        budget: Budget,
+        seed: int,
+        jobs: int | None,
+        solver: Solver,
+        progress: Progress,
     ) -> None:
         self.budget, self.progress = budget, progress
-        self.anchored = AnchoredSearch(problem, seed, jobs=jobs)
-        self.whole = WholePathSearch(problem, seed, jobs=jobs)
+        self.anchored = AnchoredSearch(problem, seed, jobs=jobs, solver=solver)
+        self.whole = WholePathSearch(problem, seed, jobs=jobs, solver=solver)
 
     def run(self) -> None:
         """Search until the anchors agree and, if asked, both laws have said enough."""
@@ -207,6 +224,3 @@ def _until_ctrl_c(work: Callable[[], None]) -> bool:
     except KeyboardInterrupt:
         return True
     return False
-
-
-__all__ = ["BUDGETS", "Budget", "Effort", "plan_global", "polish"]

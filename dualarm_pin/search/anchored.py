@@ -17,7 +17,8 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solution import Minima, Solutions, distinct, same_path
-from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.solvers.shipped import ENGINE
+from dualarm_pin.solvers.solver import Solver, solve_many
 
 Array = NDArray[np.float64]
 Labels = NDArray[np.int64]
@@ -92,8 +93,9 @@ class AnchoredSearch:
         *,
         points: Sequence[int] | None = None,
         jobs: int | None = None,
+        solver: Solver = ENGINE,
     ) -> None:
-        self.problem, self.seed, self.jobs = problem, seed, jobs
+        self.problem, self.seed, self.jobs, self.solver = problem, seed, jobs, solver
         points = anchor_points(problem.k) if points is None else points
         self.anchors = [Anchor(point) for point in points]
         self._coarse = coarse_of(problem)
@@ -181,8 +183,6 @@ class AnchoredSearch:
 
     def _draw(self, starts: int) -> None:
         """Solve the anchors alone, all in one batch, from as many new postures as are missing."""
-        from dualarm_pin.engine.solve import Options
-
         problem = self.problem
         drawn, points = [], []
         for anchor in self.anchors:
@@ -192,12 +192,13 @@ class AnchoredSearch:
             points += [anchor.point] * fresh
         if not points:
             return
-        ends = engine.solve_many(
+        ends = solve_many(
+            self.solver,
             problem,
             np.concatenate(drawn),
             jobs=self.jobs,
             points=points,
-            options=Options(iterations=_ALONE_ITERATIONS),
+            iterations=_ALONE_ITERATIONS,
         )
         for anchor in self.anchors:
             mine = ends.take((np.array(points) == anchor.point) & ends.ran)
@@ -214,7 +215,7 @@ class AnchoredSearch:
         if not seeds:
             return
         tiled = np.array([np.tile(seed.q, (len(self._coarse.points), 1)) for seed in seeds])
-        ends = engine.solve_many(self._coarse.problem, tiled, jobs=self.jobs)
+        ends = solve_many(self.solver, self._coarse.problem, tiled, jobs=self.jobs)
         first = 0 if self._screened is None else len(self._screened)
         self._screened = ends if self._screened is None else Solutions.join([self._screened, ends])
         for number, seed in enumerate(seeds, first):
@@ -226,7 +227,7 @@ class AnchoredSearch:
         """Refine whole paths in one batch; return which of `paths` they became."""
         first = 0 if self._paths is None else len(self._paths)
         if starts:
-            ends = engine.solve_many(self.problem, np.array(starts), jobs=self.jobs)
+            ends = solve_many(self.solver, self.problem, np.array(starts), jobs=self.jobs)
             self._paths = ends if self._paths is None else Solutions.join([self._paths, ends])
             if ends.interrupted:
                 raise KeyboardInterrupt

@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solution import Solutions
-from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.solvers.shipped import ENGINE
+from dualarm_pin.solvers.solver import Solver, solve_many
 
 Array = NDArray[np.float64]
 NAME = "whole path"
@@ -17,8 +18,10 @@ NAME = "whole path"
 class WholePathSearch:
     """A search that can grow; the same seed draws the same starts for any number of threads."""
 
-    def __init__(self, problem: Problem, seed: int, *, jobs: int | None = None) -> None:
-        self.problem, self.seed, self.jobs = problem, seed, jobs
+    def __init__(
+        self, problem: Problem, seed: int, *, jobs: int | None = None, solver: Solver = ENGINE
+    ) -> None:
+        self.problem, self.seed, self.jobs, self.solver = problem, seed, jobs, solver
         self.ends: Solutions | None = None
 
     @property
@@ -38,7 +41,7 @@ class WholePathSearch:
         problem = self.problem
         random = generator(self.seed, 20, self.starts)
         drawn = common_postures(problem.lower, problem.upper, problem.k, fresh, random)
-        ends = engine.solve_many(problem, drawn, jobs=self.jobs)
+        ends = solve_many(self.solver, problem, drawn, jobs=self.jobs)
         ran = ends.take(ends.ran)
         self.ends = ran if self.ends is None else Solutions.join([self.ends, ran])
         if ends.interrupted:

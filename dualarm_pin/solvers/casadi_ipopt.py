@@ -15,7 +15,6 @@ from numpy.typing import NDArray
 
 from dualarm_pin.chain import quaternion_of
 from dualarm_pin.errors import UnknownNameError, nearest
-from dualarm_pin.reference import violation
 from dualarm_pin.solution import Solution
 from dualarm_pin.solvers.casadi_model import (
     import_casadi,
@@ -24,7 +23,7 @@ from dualarm_pin.solvers.casadi_model import (
     pose_rows,
     row_expression,
 )
-from dualarm_pin.tolerance import TOLERANCE
+from dualarm_pin.solvers.solver import judged
 
 if TYPE_CHECKING:
     from dualarm_pin.problem import Problem
@@ -45,7 +44,7 @@ _OPTIONS: dict[str, dict[str, Any]] = {
 _BUILT: weakref.WeakKeyDictionary[Problem, dict[str, Programme]] = weakref.WeakKeyDictionary()
 
 
-def solve(problem: Problem, start: Array, plugin: str = "ipopt", *, number: int = 0) -> Solution:
+def solve(problem: Problem, start: Array, plugin: str = "ipopt") -> Solution:
     """Minimise `problem` from `start` (k, n).
 
     The programme is built at the first call for a problem and kept as long as the problem;
@@ -56,7 +55,7 @@ def solve(problem: Problem, start: Array, plugin: str = "ipopt", *, number: int 
         UnknownNameError: There is no such plugin.
         InputError: CasADi has no expression for the index.
     """
-    return build(problem, plugin).solve(start, number=number)
+    return build(problem, plugin).solve(start)
 
 
 def build(problem: Problem, plugin: str = "ipopt", *, expand: bool = True) -> Programme:
@@ -143,7 +142,7 @@ class Programme:
         nlp = {"x": ca.vertcat(*variables), "f": cost, "g": ca.vertcat(*rows)}
         return nlp, options | shape | {"equality": equality}
 
-    def solve(self, start: Array, *, number: int = 0) -> Solution:
+    def solve(self, start: Array) -> Solution:
         """Minimise from `start` (k, n)."""
         problem = self._problem()
         assert problem is not None  # the caller found this programme by it
@@ -160,20 +159,14 @@ class Programme:
         x = np.asarray(answer["x"], dtype=float).ravel()
         if self.plugin == "fatrop":
             x = np.append(x, np.zeros(n)).reshape(k, 2 * n)[:, :n]
-        q = np.clip(x.reshape(k, n), problem.lower, problem.upper)
-        residual = violation(problem, q)
         stats = self._solver.stats()
-        feasible = bool(residual <= TOLERANCE.position / 10.0)
-        return Solution(
-            q=q,
-            objective=problem.objective(q),
-            residual=residual,
-            feasible=feasible,
-            converged=feasible and bool(stats["success"]),
+        return judged(
+            problem,
+            x.reshape(k, n),
+            converged=bool(stats["success"]),
             message=str(stats.get("return_status", stats.get("unified_return_status", ""))),
-            start=number,
-            wall_s=wall,
             iterations=int(stats.get("iter_count", 0)),
+            wall_s=wall,
         )
 
 

@@ -13,8 +13,9 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.path import Path
 from dualarm_pin.path.files.machine_program import INCH, MILLIMETRE, Move, choose, read_text
-from dualarm_pin.path.generators.curve import Piece, at_arc_length, line_piece, sample
+from dualarm_pin.path.generators.curve import at_arc_length, sample
 from dualarm_pin.path.generators.follow import Hold, hold
+from dualarm_pin.path.generators.piece import Piece, line_piece
 from dualarm_pin.tolerance import TOLERANCE
 
 _UNITS = {"MM": MILLIMETRE, "MILLIMETERS": MILLIMETRE, "INCH": INCH, "INCHES": INCH}

@@ -13,14 +13,14 @@ from pathlib import Path as FilePath
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
 from dualarm_pin.path.files.machine_program import INCH, MILLIMETRE, Move, choose, read_text
-from dualarm_pin.path.generators.curve import Piece, arc_piece, line_piece
+from dualarm_pin.path.generators.arguments import Point3
 from dualarm_pin.path.generators.follow import Follow, follow
+from dualarm_pin.path.generators.piece import Piece, arc_piece, line_piece
 from dualarm_pin.tolerance import TOLERANCE
 
 _WORD = re.compile(r"\s*([A-Za-z])\s*([+-]?(?:\d+\.?\d*|\.\d+))")
@@ -44,7 +44,7 @@ _ARC_RADIUS = 5e-5  # start and end radius may differ by the last digit written 
 def read_gcode(
     file: str | FilePath,
     *,
-    work_offset: ArrayLike = (0.0, 0.0, 0.0),
+    work_offset: Point3 = (0.0, 0.0, 0.0),
     rapids: bool = False,
     stretch: int | None = None,
     **how: Unpack[Follow],

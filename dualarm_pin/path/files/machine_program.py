@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path as FilePath
 
 from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.path.generators.curve import Piece
+from dualarm_pin.path.generators.piece import Piece
 
 INCH = 0.0254
 MILLIMETRE = 0.001

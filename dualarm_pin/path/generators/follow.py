@@ -11,7 +11,8 @@ from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array, rotations
 from dualarm_pin.errors import InputError, nearest
-from dualarm_pin.path.generators.curve import Piece, Samples, sample
+from dualarm_pin.path.generators.curve import Samples, sample
+from dualarm_pin.path.generators.piece import Piece
 from dualarm_pin.path.path import POSITION_ONLY, SPIN_FREE, WHOLE_POSE, Path
 
 Orientation: TypeAlias = Literal["constant", "tangent", "normal", "normal_tangent"]

@@ -14,17 +14,18 @@ from numpy.typing import ArrayLike
 
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.path.generators.curve import Piece, Samples, arc_piece
+from dualarm_pin.path.generators.arguments import Angle, Point2, Shares, middle, not_zero, positive
+from dualarm_pin.path.generators.curve import Samples
 from dualarm_pin.path.generators.follow import Follow, Hold, follow, hold
+from dualarm_pin.path.generators.piece import UP, Piece, arc_piece, flat
 from dualarm_pin.path.generators.polyline import rounded
-from dualarm_pin.path.generators.stand import UP, flat, middle, not_zero, positive
 
 
 def corner(
     side: float = 0.15,
     fillet: float = 0.01,
     height: float = 0.3,
-    points: Sequence[int] | int | None = (13, 5, 13),
+    points: Shares = (13, 5, 13),
     *,
     step: float | None = None,
     **how: Unpack[Hold],
@@ -62,9 +63,9 @@ def corner(
 def circle(
     radius: float,
     *,
-    center: ArrayLike = (0.0, 0.0),
+    center: Point2 = (0.0, 0.0),
     height: float = 0.3,
-    start: float = 0.0,
+    start: Angle = 0.0,
     turns: float = 1.0,
     **how: Unpack[Follow],
 ) -> Path:
@@ -87,10 +88,10 @@ def circle(
 
 def arc(
     radius: float,
-    start: float,
-    stop: float,
+    start: Angle,
+    stop: Angle,
     *,
-    center: ArrayLike = (0.0, 0.0),
+    center: Point2 = (0.0, 0.0),
     height: float = 0.3,
     **how: Unpack[Follow],
 ) -> Path:
@@ -118,7 +119,7 @@ def raster(
     rows: int,
     *,
     fillet: float = 0.0,
-    center: ArrayLike = (0.0, 0.0),
+    center: Point2 = (0.0, 0.0),
     height: float = 0.3,
     **how: Unpack[Follow],
 ) -> Path:

@@ -11,13 +11,14 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.path.generators.curve import Piece, arc_piece, line_piece
+from dualarm_pin.path.generators.arguments import Points3
 from dualarm_pin.path.generators.follow import Follow, follow
+from dualarm_pin.path.generators.piece import Piece, arc_piece, line_piece
 from dualarm_pin.tolerance import TOLERANCE
 
 
 def polyline(
-    vertices: ArrayLike, *, fillet: float = 0.0, closed: bool = False, **how: Unpack[Follow]
+    vertices: Points3, *, fillet: float = 0.0, closed: bool = False, **how: Unpack[Follow]
 ) -> Path:
     """Return straight lines through vertices in space.
 

@@ -12,10 +12,10 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.path.generators.curve import Piece, arc_piece
+from dualarm_pin.path.generators.arguments import Angle, Point2, Points3, middle, not_zero, positive
 from dualarm_pin.path.generators.follow import Follow, follow
+from dualarm_pin.path.generators.piece import Piece, arc_piece
 from dualarm_pin.path.generators.polyline import distinct
-from dualarm_pin.path.generators.stand import middle, not_zero, positive
 from dualarm_pin.tolerance import TOLERANCE
 
 
@@ -24,9 +24,9 @@ def helix(
     pitch: float,
     turns: float,
     *,
-    center: ArrayLike = (0.0, 0.0),
+    center: Point2 = (0.0, 0.0),
     height: float = 0.3,
-    start: float = 0.0,
+    start: Angle = 0.0,
     **how: Unpack[Follow],
 ) -> Path:
     """Return a helix about z, rising from `height`.
@@ -52,7 +52,7 @@ def helix(
     return follow([piece], "helix", how)
 
 
-def spline(through: ArrayLike, *, closed: bool = False, **how: Unpack[Follow]) -> Path:
+def spline(through: Points3, *, closed: bool = False, **how: Unpack[Follow]) -> Path:
     """Return the cubic spline through points, smooth to its second derivative.
 
     The parameter is the chord length; open ends have no curvature of their own ("not-a-knot").

@@ -6,22 +6,24 @@ import math
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
+from dualarm_pin.path.generators.arguments import Angle, Point2, middle, not_zero, positive
 from dualarm_pin.path.generators.follow import Follow, follow
-from dualarm_pin.path.generators.stand import middle, not_zero, positive, spans
+from dualarm_pin.path.generators.piece import spans
+
+_INNER, _OUTER, _TILT = math.radians(10.0), math.radians(45.0), math.radians(45.0)
 
 
 def dome_spiral(
     radius: float,
     *,
     turns: float = 3.0,
-    inner: float = math.radians(10.0),
-    outer: float = math.radians(45.0),
-    center: ArrayLike = (0.0, 0.0),
+    inner: Angle = _INNER,
+    outer: Angle = _OUTER,
+    center: Point2 = (0.0, 0.0),
     height: float = 0.2,
     **how: Unpack[Follow],
 ) -> Path:
@@ -71,10 +73,10 @@ def tube_seam(
     radius: float,
     tube_radius: float,
     *,
-    tilt: float = math.radians(45.0),
+    tilt: Angle = _TILT,
     turns: float = 1.0,
-    start: float = 0.0,
-    center: ArrayLike = (0.0, 0.0),
+    start: Angle = 0.0,
+    center: Point2 = (0.0, 0.0),
     height: float = 0.25,
     **how: Unpack[Follow],
 ) -> Path:

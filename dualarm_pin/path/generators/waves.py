@@ -9,12 +9,12 @@ import math
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.path import Path
+from dualarm_pin.path.generators.arguments import Point2, middle, positive
 from dualarm_pin.path.generators.follow import Follow, follow
-from dualarm_pin.path.generators.stand import middle, positive, spans
+from dualarm_pin.path.generators.piece import spans
 
 
 def sine(
@@ -22,7 +22,7 @@ def sine(
     *,
     amplitude: float = 0.01,
     periods: float = 4.0,
-    center: ArrayLike = (0.0, 0.0),
+    center: Point2 = (0.0, 0.0),
     height: float = 0.3,
     **how: Unpack[Follow],
 ) -> Path:
@@ -56,7 +56,7 @@ def sine(
 def figure_eight(
     radius: float,
     *,
-    center: ArrayLike = (0.0, 0.0),
+    center: Point2 = (0.0, 0.0),
     height: float = 0.3,
     **how: Unpack[Follow],
 ) -> Path:

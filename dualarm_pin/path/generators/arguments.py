@@ -1,19 +1,28 @@
-"""What the generators share: checks of their numbers, and where a curve stands in e1."""
+"""Arguments that generators share: their types, as files give them, and checks of numbers."""
 
 from __future__ import annotations
 
-from dataclasses import replace
+from collections.abc import Sequence
+from typing import Annotated, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike
+from pydantic import Field
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
-from dualarm_pin.path.generators.curve import Along, Piece, constant
+from dualarm_pin.files.cell_spec import Vector
+from dualarm_pin.files.signature import Count, InFile
 
-UP = np.array([0.0, 0.0, 1.0])
+Angle: TypeAlias = Annotated[float, InFile(float, degrees=True)]
+"""An angle [rad]; in files the key ends in `_deg`."""
+Point2: TypeAlias = Annotated[ArrayLike, InFile(tuple[float, float])]
+Point3: TypeAlias = Annotated[ArrayLike, InFile(Vector)]
+Points3: TypeAlias = Annotated[ArrayLike, InFile(list[Vector])]
+_Share = Annotated[int, Field(ge=0, le=1_000_000)]
+Shares: TypeAlias = Annotated[Sequence[int] | int | None, InFile(list[_Share] | Count | None)]
+"""A number of points for each part of a curve, or one for all of it."""
 _LARGEST = 1e6
-_MOST = 10_000
 
 
 def positive(**lengths: float) -> None:
@@ -43,28 +52,3 @@ def not_zero(**values: float) -> None:
 def middle(center: ArrayLike, height: float) -> Array:
     """Return the point above `center` (x, y) at `height` [m]."""
     return np.append(finite(center, "center", (2,)), finite(height, "height", ()))
-
-
-def flat(piece: Piece) -> Piece:
-    """Return the piece with z of e1 as its normal."""
-    return replace(piece, normal=constant(UP))
-
-
-def spans(point: Along, derivative: Along, count: int, normal: Along | None = None) -> list[Piece]:
-    """Return a curve over t in [0, 1] as `count` pieces, each short enough for its quadrature.
-
-    Raises:
-        InputError: So many that it is a slip of the pen.
-    """
-    if count > _MOST:
-        raise InputError("more turns or periods than any path has: take fewer")
-
-    def span(k: int) -> Piece:
-        return Piece(
-            lambda t: point((k + t) / count),
-            lambda t: derivative((k + t) / count) / count,
-            constant(UP) if normal is None else lambda t: normal((k + t) / count),
-            even=False,
-        )
-
-    return [span(k) for k in range(count)]

@@ -1,4 +1,4 @@
-"""What a task file may say, and how `--set` changes it."""
+"""Read a task file and the cell it names, with the changes of `--set` applied."""
 
 from __future__ import annotations
 
@@ -6,97 +6,14 @@ import copy
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any
 
-from pydantic import Field, model_validator
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedMap
 from ruamel.yaml.error import YAMLError
 
 from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.files.path_spec import PathSpec
-from dualarm_pin.files.source import Key, Source, Spec, read_yaml
-
-Three = tuple[float, float, float]
-Six = tuple[float, float, float, float, float, float]
-Weight = Annotated[float, Field(ge=0.0)]
-INDEX_NAMES = (
-    "force",
-    "velocity",
-    "yoshikawa",
-    "inverse_condition_number",
-    "smallest_singular_value",
-)
-
-
-class WeightedSpec(Spec):
-    """Weights that every index takes."""
-
-    task_weights: tuple[Weight, Weight, Weight, Weight, Weight, Weight] | None = None
-    joint_weights: list[Weight] | None = None
-
-
-class DirectedSpec(WeightedSpec):
-    """An index along a direction: the tangent of the path, or a vector in e1 axes."""
-
-    direction: Literal["tangent", "path"] | Three | Six = "path"
-
-
-class IndexSpec(Spec):
-    """One index, and the weight of the additive joint-centre term."""
-
-    force: DirectedSpec | None = None
-    velocity: DirectedSpec | None = None
-    yoshikawa: WeightedSpec | None = None
-    inverse_condition_number: WeightedSpec | None = None
-    smallest_singular_value: WeightedSpec | None = None
-    joint_centre: Weight = 0.0
-
-    @model_validator(mode="before")
-    @classmethod
-    def _bare_key(cls, data: Any) -> Any:
-        """Read `force:` without options as `force: {}`."""
-        if isinstance(data, str):
-            return {data: {}}
-        if isinstance(data, dict):
-            return {k: {} if v is None and k in INDEX_NAMES else v for k, v in data.items()}
-        return data
-
-    @model_validator(mode="after")
-    def _exactly_one(self) -> IndexSpec:
-        if len(self.given) != 1:
-            raise ValueError(f"name exactly one of {', '.join(INDEX_NAMES)}")
-        return self
-
-    @property
-    def given(self) -> list[str]:
-        """Names of the indices that the file gives."""
-        return [name for name in INDEX_NAMES if getattr(self, name) is not None]
-
-
-class SmoothnessSpec(Spec):
-    """lambda of (19), how joints count in a step, and whether lambda follows the arc length."""
-
-    weight: Weight = 3.0
-    metric: Literal["equal", "velocity"] | list[Weight] = "equal"
-    per_arc_length: bool = False
-
-
-class TwoStageSpec(Spec):
-    """The paper's first stage: points (from 1) and lambda."""
-
-    Gamma: list[Annotated[int, Field(ge=1)]] | Annotated[int, Field(ge=2)] | None = None
-    smoothness: Weight = 1.5
-
-
-class TaskSpec(Spec):
-    """A task file."""
-
-    cell: str | dict[str, Any]
-    path: PathSpec
-    index: IndexSpec = IndexSpec(force=DirectedSpec())
-    smoothness: Weight | SmoothnessSpec = 3.0
-    two_stage: TwoStageSpec = TwoStageSpec()
+from dualarm_pin.files.source import Key, Source, read_yaml
 
 
 def read_task(

@@ -1,0 +1,85 @@
+"""What the `path:` section of a task file may hold.
+
+One generator of `path.paths.GENERATORS`, or `call`, and how the tool is held:
+
+    path:
+      circle: {radius: 0.1, points: 49}      # or step: 0.005, the largest distance of neighbours
+      rotation: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]   # or rpy_deg: [180, 0, 0]
+      orientation: constant                  # tangent | normal | normal_tangent
+      free: none                             # spin | rotation; or a list, one for each point
+      spin_axis: [0, 0, 1]                   # in e2, for free: spin
+      frame: {xyz: [0, 0, 0], rpy_deg: [0, 0, 0]}   # moves the whole path within e1
+
+    path: {call: "my_paths:zigzag", width: 0.1, points: 20, free: spin}    # see `files.call`
+
+Lengths in metres; angles in degrees where the key ends in `_deg`. What each key means stands in
+the docstring of the generator of the same name.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Literal, Self
+
+from pydantic import create_model, model_validator
+
+from dualarm_pin.files.call import CallSpec, call_apart
+from dualarm_pin.files.cell_spec import PlacementSpec, Vector
+from dualarm_pin.files.signature import spec_of
+from dualarm_pin.files.source import Spec
+from dualarm_pin.path.paths import GENERATORS
+
+Free = Literal["none", "spin", "rotation"]
+
+
+class HoldSpec(Spec):
+    """How the tool is held along a path: `path.generators.follow.Hold`."""
+
+    rotation: tuple[Vector, Vector, Vector] | None = None
+    rpy_deg: Vector | None = None
+    orientation: Literal["constant", "tangent", "normal", "normal_tangent"] | None = None
+    free: Free | list[Free] = "none"
+    spin_axis: Vector = (0.0, 0.0, 1.0)
+    frame: PlacementSpec | None = None
+
+    @model_validator(mode="after")
+    def _one_rotation(self) -> Self:
+        if self.rotation is not None and self.rpy_deg is not None:
+            raise ValueError("give rotation or rpy_deg: both are given")
+        return self
+
+
+class _OneGenerator(HoldSpec):
+    """The `path:` section without its generators: exactly one of them is given."""
+
+    call: CallSpec | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _call_apart(cls, data: Any) -> Any:
+        return call_apart(data, HoldSpec.model_fields)
+
+    @property
+    def generator(self) -> str:
+        """Name of the one generator that is given, or `call`."""
+        return self._given()[0]
+
+    def _given(self) -> list[str]:
+        return [name for name in (*GENERATORS, "call") if getattr(self, name) is not None]
+
+    @model_validator(mode="after")
+    def _exactly_one(self) -> Self:
+        given = self._given()
+        if len(given) != 1:
+            shown, known = ", ".join(given) or "none", ", ".join(GENERATORS)
+            raise ValueError(f"exactly one curve is expected; given {shown}; known: {known}")
+        return self
+
+
+if TYPE_CHECKING:
+    PathSpec = _OneGenerator
+else:
+    PathSpec = create_model(
+        "PathSpec",
+        __base__=_OneGenerator,
+        **{name: (spec_of(function) | None, None) for name, function in GENERATORS.items()},
+    )

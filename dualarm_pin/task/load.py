@@ -1,0 +1,117 @@
+"""From a task file to what a `Task` is made of."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from dualarm_pin.cell import Cell
+from dualarm_pin.errors import InputError
+from dualarm_pin.files.call import CallSpec, own_function, refuse_calls
+from dualarm_pin.files.read_task import read_task
+from dualarm_pin.files.source import Source, check
+from dualarm_pin.indices.spec import IndexSpec, load_index
+from dualarm_pin.path import Path
+from dualarm_pin.path.gamma import choose_Gamma
+from dualarm_pin.path.load import load_path
+from dualarm_pin.task.record import task_record
+from dualarm_pin.task.spec import SmoothnessSpec, TaskSpec
+
+Array = NDArray[np.float64]
+
+
+def parts_of_task(
+    file: str | FilePath, overrides: Sequence[str] = (), *, allow_code: bool = False
+) -> tuple[Source, dict[str, Any]]:
+    """Read a task file.
+
+    Args:
+        file: A YAML file.
+        overrides: `key=value` changes with dotted keys.
+        allow_code: Import and run the functions that the file names with `call`.
+
+    Returns:
+        The file, and the arguments of `Task` by name.
+
+    Raises:
+        InputError: As `Task.load`.
+    """
+    source, cell_source, keys = read_task(file, overrides)
+    refuse_calls(source, allow_code=allow_code)
+    spec = check(source, TaskSpec)
+    cell = Cell.from_source(cell_source, keys)
+    with source.blamed():
+        path = load_path(spec.path, source)
+        direction = _direction(spec.index, path)
+        smooth = spec.smoothness
+        if not isinstance(smooth, SmoothnessSpec):
+            smooth = SmoothnessSpec(weight=smooth)
+        parts = {
+            "cell": cell,
+            "path": path if direction is None else path.with_direction(direction),
+            "index": load_index(spec.index, source),
+            "smoothness": smooth.weight,
+            "stage_1_smoothness": spec.two_stage.smoothness,
+            "Gamma": _Gamma(spec.two_stage.Gamma, path),
+            "metric": _metric(smooth, cell),
+            "per_arc_length": smooth.per_arc_length,
+            "method": _named_or_own(spec.method, source, "method"),
+            "solver": _named_or_own(spec.solver, source, "solver"),
+            "name": source.path.stem,
+            "record": task_record(source, cell_source, keys),
+        }
+    return source, parts
+
+
+def _named_or_own(named: str | CallSpec | None, source: Source, key: str) -> Any:
+    """Return a name as it is, and a `call` as the function itself; of a class, an instance."""
+    if not isinstance(named, CallSpec):
+        return named
+    return own_function(source, [key]).instance()
+
+
+def _Gamma(given: Sequence[int] | int | None, path: Path) -> tuple[int, ...]:
+    """Return the points of the first stage from 0, of those that the file counts from 1."""
+    if given is None or isinstance(given, int):
+        return choose_Gamma(path, min(given or 6, path.h))
+    return tuple(point - 1 for point in given)
+
+
+def _direction(spec: IndexSpec, path: Path) -> Array | None:
+    """Return the direction that the index asks for, (6,) or (h, 6); None leaves that of the path.
+
+    They differ where a file of points brings directions of its own.
+    """
+    given = spec.direction
+    if given == "path":
+        return None
+    if given == "tangent":
+        return np.hstack([path.tangent, np.zeros((path.h, 3))])
+    u = np.zeros(6)
+    u[: len(given)] = given
+    length = float(np.linalg.norm(u))
+    if length == 0.0:
+        field = ".".join(("index", *spec.place("direction")))
+        raise InputError("the direction is zero", field=field)
+    return u / length
+
+
+def _metric(smooth: SmoothnessSpec, cell: Cell) -> Array:
+    """Return the diagonal of the link metric (n,): 1/limit^2 where speed counts."""
+    if isinstance(smooth.metric, list):
+        return np.array(smooth.metric, dtype=float)
+    if smooth.metric == "equal":
+        return np.ones(cell.n)
+    unknown = [joint.name for joint in cell.joints if not joint.velocity]
+    if unknown:
+        raise InputError(
+            f"the velocity limit of {', '.join(unknown)} is unknown: give the metric as a list "
+            "of weights",
+            field="smoothness.metric",
+        )
+    limits = np.array([joint.velocity for joint in cell.joints], dtype=float)
+    return np.asarray((np.mean(limits) / limits) ** 2)

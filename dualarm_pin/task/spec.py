@@ -1,0 +1,51 @@
+"""What a task file may say."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from dualarm_pin.files.call import CallSpec
+from dualarm_pin.files.source import Spec
+from dualarm_pin.indices.spec import IndexSpec, Weight
+from dualarm_pin.path.spec import PathSpec
+
+
+class SmoothnessSpec(Spec):
+    """lambda of (19), how joints count in a step, and whether lambda follows the arc length."""
+
+    weight: Weight = 3.0
+    metric: Literal["equal", "velocity"] | list[Weight] = "equal"
+    per_arc_length: bool = False
+
+
+class TwoStageSpec(Spec):
+    """The paper's first stage: points (from 1) and lambda."""
+
+    Gamma: list[Annotated[int, Field(ge=1)]] | Annotated[int, Field(ge=2)] | None = None
+    smoothness: Weight = 1.5
+
+
+class TaskSpec(Spec):
+    """A task file.
+
+    Attributes:
+        cell: A cell file, or a cell.
+        path: One curve, and how the tool is held along it.
+        index: What is minimised at each point.
+        smoothness: lambda of (19), or more about it.
+        two_stage: The paper's first stage.
+        method: How to plan it where the caller does not say: a name, or `call`.
+        solver: The solver of that method: a name, or `call`.
+        module_dirs: Further folders in which the modules of `call` are found.
+    """
+
+    cell: str | dict[str, Any]
+    path: PathSpec
+    index: IndexSpec = IndexSpec.model_validate("force")
+    smoothness: Weight | SmoothnessSpec = 3.0
+    two_stage: TwoStageSpec = TwoStageSpec()
+    method: str | CallSpec | None = None
+    solver: str | CallSpec | None = None
+    module_dirs: list[str] = Field(default_factory=list)
