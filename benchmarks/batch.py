@@ -116,7 +116,7 @@ def suite(folder: Path, runs: int, busy: float) -> Path:
 
 def timed(folder: Path, runs: int, busy: float, jobs: int) -> tuple[float, float, Batch]:
     """Return seconds to start the workers, seconds of all runs, and the batch."""
-    asked = Suite.load(suite(folder, runs, busy))
+    asked = Suite.load(suite(folder, runs, busy), allow_code=True)
     clock = Clock()
     batch = run_suite(asked, folder / "out", jobs=jobs, progress=clock)
     began = clock.began
@@ -155,7 +155,7 @@ def kill_at_random(folder: Path, kills: int) -> tuple[int, int]:
     runs = 15 * kills
     file = suite(folder, runs, 0.05)
     log = folder / "out" / "rows.jsonl"
-    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file)]
+    command = [sys.executable, "-m", "dualarm_pin", "bench", "--allow-code", str(file)]
     command += ["--out", str(folder / "out"), "--jobs", "2", "--resume"]
     chance = random.Random(0)
     lost, before = 0, set()

@@ -1,3 +1,94 @@
-"""Plan the joint motion of two arms that share one task, best over the whole path."""
+"""Plan the joint motion of two arms that share one task, best over the whole path.
+
+    import dualarm_pin as dp
+
+    task = dp.Task(dp.Cell.load("cell.yaml"), dp.paths.circle(0.1, points=49))
+    best = dp.plan_global(task)
+
+A name is imported when it is first used, so the import of the package costs next to nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from dualarm_pin import indices as indices
+    from dualarm_pin import solvers as solvers
+    from dualarm_pin.answer.folder import load_result as load_result
+    from dualarm_pin.answer.folder import save_result as save_result
+    from dualarm_pin.answer.trajectory import Trajectory as Trajectory
+    from dualarm_pin.answer.verify import verify as verify
+    from dualarm_pin.cell import Cell as Cell
+    from dualarm_pin.errors import DualArmError as DualArmError
+    from dualarm_pin.evidence import examine as examine
+    from dualarm_pin.files.resources import urdf_folder as urdf_folder
+    from dualarm_pin.indices.index import Index as Index
+    from dualarm_pin.path import Path as Path
+    from dualarm_pin.path import paths as paths
+    from dualarm_pin.planners.local import plan_local as plan_local
+    from dualarm_pin.planners.methods import plan as plan
+    from dualarm_pin.planners.two_stage import plan_two_stage as plan_two_stage
+    from dualarm_pin.planners.whole_path import plan_global as plan_global
+    from dualarm_pin.planners.whole_path import polish as polish
+    from dualarm_pin.problem import Problem as Problem
+    from dualarm_pin.relative import Relative as Relative
+    from dualarm_pin.show import Player as Player
+    from dualarm_pin.show import Run as Run
+    from dualarm_pin.show import plots as plots
+    from dualarm_pin.show import write_report as write_report
+    from dualarm_pin.solvers.solution import Solution as Solution
+    from dualarm_pin.solvers.solver import Solver as Solver
+    from dualarm_pin.task import Task as Task
+    from dualarm_pin.tolerance import Tolerance as Tolerance
 
 __version__ = "0.1.0"
+
+_MODULES = {
+    "indices": "indices",
+    "paths": "path.paths",
+    "plots": "show.plots",
+    "solvers": "solvers",
+}
+_HOMES = {
+    "Cell": "cell",
+    "Index": "indices.index",
+    "Path": "path",
+    "Player": "show",
+    "Problem": "problem",
+    "Relative": "relative",
+    "Run": "show",
+    "Task": "task",
+    "Tolerance": "tolerance",
+    "Trajectory": "answer.trajectory",
+    "DualArmError": "errors",
+    "Solution": "solvers.solution",
+    "Solver": "solvers.solver",
+    "examine": "evidence",
+    "load_result": "answer.folder",
+    "plan": "planners.methods",
+    "plan_global": "planners.whole_path",
+    "plan_local": "planners.local",
+    "plan_two_stage": "planners.two_stage",
+    "polish": "planners.whole_path",
+    "save_result": "answer.folder",
+    "urdf_folder": "files.resources",
+    "verify": "answer.verify",
+    "write_report": "show",
+}
+
+__all__ = ["__version__", *_MODULES, *_HOMES]  # noqa: PLE0604 - the keys are strings
+
+
+def __getattr__(name: str) -> Any:
+    if name in _MODULES:
+        value: Any = import_module(f"dualarm_pin.{_MODULES[name]}")
+    elif name in _HOMES:
+        value = getattr(import_module(f"dualarm_pin.{_HOMES[name]}"), name)
+    else:
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

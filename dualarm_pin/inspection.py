@@ -63,7 +63,7 @@ class Inspection:
         write_bytes(file, page)
 
 
-def inspect(file: Path, overrides: Sequence[str] = ()) -> Inspection:
+def inspect(file: Path, overrides: Sequence[str] = (), *, allow_code: bool = False) -> Inspection:
     """Load a cell file or a task file and say what was understood.
 
     Raises:
@@ -71,7 +71,7 @@ def inspect(file: Path, overrides: Sequence[str] = ()) -> Inspection:
     """
     source = read_yaml(file)
     if "cell" in source.data or "path" in source.data:
-        task = Task.load(file, overrides)
+        task = Task.load(file, overrides, allow_code=allow_code)
         return Inspection(describe(task.cell), _facts(task), task)
     if overrides:
         raise InputError("--set changes a task file; this is a cell file", file=file)

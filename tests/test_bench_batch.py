@@ -24,6 +24,7 @@ from dualarm_pin.files.resources import urdf_folder  # noqa: E402
 
 HERE = Path(__file__).parent
 TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
+BENCH = [sys.executable, "-m", "dualarm_pin", "bench", "--allow-code"]
 TIMES = ("started", "run_s", "timing.wall_s", "timing.cpu_s", "extra", "clearance")
 
 
@@ -48,7 +49,7 @@ def fake(name, label, **options):
 
 def bench(*arguments):
     return subprocess.run(
-        [sys.executable, "-m", "dualarm_pin", "bench", *map(str, arguments)],
+        [*BENCH, *map(str, arguments)],
         capture_output=True,
         text=True,
         timeout=180,
@@ -66,7 +67,7 @@ def table(folder):
 
 def serial(file):
     """Return what the runs of a suite come to when they are done here, one after another."""
-    runs = Suite.load(file).runs
+    runs = Suite.load(file, allow_code=True).runs
     return [(run, perform(run)) for run in runs]
 
 
@@ -116,7 +117,7 @@ def test_a_run_that_kills_its_workers_is_set_aside_and_takes_no_other_along(tmp_
     file = write_suite(tmp_path, [fake("kill_worker", "kills"), fake("quick", "good")], 4)
     text = file.read_text().replace('"name": "kills"', '"name": "kills", "seeds": [2]')
     file.write_text(text)
-    batch = run_suite(Suite.load(file), tmp_path / "out", jobs=2)
+    batch = run_suite(Suite.load(file, allow_code=True), tmp_path / "out", jobs=2)
     assert [row["status"] for row in batch.rows] == ["crashed", "ok", "ok", "ok", "ok"]
     assert "worker processes that died" in batch.rows[0]["reason"]
 
@@ -138,7 +139,7 @@ def test_keep_all_and_none(tmp_path):
     for keep, folders in (("all", {"best", "runs"}), ("none", set())):
         file = write_suite(tmp_path, [fake("quick", "a/b <c>")], 2, f"keep: {keep}\n")
         out = tmp_path / keep
-        run_suite(Suite.load(file), out, jobs=1)
+        run_suite(Suite.load(file, allow_code=True), out, jobs=1)
         assert {p.name for p in out.iterdir() if p.is_dir()} == folders
         if keep == "all":
             kept = [load_trajectory(folder) for folder in (out / "runs").iterdir()]
@@ -147,8 +148,10 @@ def test_keep_all_and_none(tmp_path):
 
 def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
     out = tmp_path / "out"
-    run_suite(Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3)), out, jobs=1)
-    renamed = Suite.load(write_suite(tmp_path, [fake("quick", "new name")], 2))
+    run_suite(
+        Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3), allow_code=True), out, jobs=1
+    )
+    renamed = Suite.load(write_suite(tmp_path, [fake("quick", "new name")], 2), allow_code=True)
     batch = run_suite(renamed, out, resume=True)
     assert batch.done_before == 2
     assert [(row["method"], row["seed"]) for row in batch.rows] == [
@@ -164,7 +167,7 @@ def test_a_missing_library_is_named_before_the_first_run(tmp_path, monkeypatch, 
     monkeypatch.setattr(
         importlib.util, "find_spec", lambda name: None if name == library else find(name)
     )
-    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]))
+    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]), allow_code=True)
     with pytest.raises(MissingExtraError, match=rf"{library}.*dualarm-pin\[bench\]"):
         run_suite(suite, tmp_path / "out")
     assert not (tmp_path / "out").exists()
@@ -174,7 +177,7 @@ def test_no_scheduler_is_a_clear_message(tmp_path, monkeypatch):
     from dualarm_pin.bench.work import cluster
 
     monkeypatch.setattr(cluster, "CONNECT", 1.0)
-    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]))
+    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")]), allow_code=True)
     with pytest.raises(InputError, match=r"no scheduler answers at 'tcp://127.0.0.1:9'"):
         run_suite(suite, tmp_path / "out", address="tcp://127.0.0.1:9")
 
@@ -206,7 +209,7 @@ def test_a_worker_killed_during_the_run_changes_nothing_in_the_table(tmp_path, t
     address, processes = two_workers
     file = write_suite(tmp_path, [fake("quick", "slow", seconds=0.2), fake("fail", "raises")], 12)
     out = tmp_path / "out"
-    arguments = ["bench", str(file), "--out", str(out), "--cluster", address]
+    arguments = ["bench", "--allow-code", str(file), "--out", str(out), "--cluster", address]
     running = subprocess.Popen(
         [sys.executable, "-m", "dualarm_pin", *arguments],
         stdout=subprocess.PIPE,
@@ -237,7 +240,16 @@ def kill_at_random(tmp_path, kills, seconds=0.05, seeds=60):
     file = write_suite(tmp_path, [fake("quick", "slow", seconds=seconds)], seeds)
     out = tmp_path / "out"
     chance = random.Random(kills)
-    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file), "--out", str(out)]
+    command = [
+        sys.executable,
+        "-m",
+        "dualarm_pin",
+        "bench",
+        "--allow-code",
+        str(file),
+        "--out",
+        str(out),
+    ]
     command += ["--jobs", "2", "--resume"]
     counts = []
     for _ in range(kills):
@@ -267,7 +279,16 @@ def test_kills_at_random_moments_lose_and_double_no_row(tmp_path):
 def test_ctrl_c_ends_in_order_and_can_be_continued(tmp_path):
     file = write_suite(tmp_path, [fake("quick", "slow", seconds=0.3)], 30)
     out = tmp_path / "out"
-    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file), "--out", str(out)]
+    command = [
+        sys.executable,
+        "-m",
+        "dualarm_pin",
+        "bench",
+        "--allow-code",
+        str(file),
+        "--out",
+        str(out),
+    ]
     running = subprocess.Popen(
         [*command, "--jobs", "2"], stderr=subprocess.PIPE, text=True, start_new_session=True
     )
@@ -279,14 +300,23 @@ def test_ctrl_c_ends_in_order_and_can_be_continued(tmp_path):
     assert running.returncode == 130, errors
     assert "continue with --resume" in errors and "Traceback" not in errors
     done = log.read_bytes().count(b"\n")
-    batch = run_suite(Suite.load(file), out, jobs=2, resume=True)
+    batch = run_suite(Suite.load(file, allow_code=True), out, jobs=2, resume=True)
     assert 1 <= done < 30 and batch.done_before == done and len(batch.rows) == 30
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="reads /proc")
 def test_a_killed_batch_leaves_no_process(tmp_path):
     file = write_suite(tmp_path, [fake("hang_in_compiled_code", "hangs")], 2)
-    command = [sys.executable, "-m", "dualarm_pin", "bench", str(file), "--jobs", "2"]
+    command = [
+        sys.executable,
+        "-m",
+        "dualarm_pin",
+        "bench",
+        "--allow-code",
+        str(file),
+        "--jobs",
+        "2",
+    ]
     running = subprocess.Popen(
         [*command, "--out", str(tmp_path / "out")], stderr=subprocess.DEVNULL
     )

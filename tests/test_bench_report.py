@@ -149,7 +149,7 @@ def batch(tmp_path_factory):
     }
     file = folder / "suite.yaml"
     file.write_text(json.dumps(suite))
-    loaded = Suite.load(file)
+    loaded = Suite.load(file, allow_code=True)
     batch = run_suite(loaded, folder / "out", jobs=1)
     write_report(loaded, batch, "dualarm-pin bench 'suite.yaml' --out out")
     if before is None:
@@ -199,7 +199,7 @@ def test_without_trajectories_the_page_has_no_script(batch, tmp_path):
     from dataclasses import replace
 
     empty = replace(batch, folder=tmp_path)
-    suite = Suite.load(batch.folder.parent / "suite.yaml")
+    suite = Suite.load(batch.folder.parent / "suite.yaml", allow_code=True)
     write_report(suite, empty, "x")
     page = Page((tmp_path / "report.html").read_text(encoding="utf-8"))
     assert page.scripts == 0 and "No trajectory to show" in " ".join(page.text)

@@ -37,7 +37,7 @@ def file(tmp_path_factory):
         "methods": [{"call": "bench_fakes:quick", "name": NASTY}],
     }
     (folder / "suite.yaml").write_text(json.dumps(suite))
-    loaded = Suite.load(folder / "suite.yaml")
+    loaded = Suite.load(folder / "suite.yaml", allow_code=True)
     try:
         batch = run_suite(loaded, folder / "out", jobs=1)
     finally:

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _LARGEST = 2_000_000_000  # bytes of the arrays, unpacked
+_DONE = ("method=null", "solver=null")  # have done their work: none of their code is needed
 _NOT_OURS = "not a result of this program"
 
 
@@ -71,8 +72,13 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
         write_bytes(Path(folder) / name, data)
 
 
-def load_result(folder: str | Path) -> tuple[Task, Trajectory]:
+def load_result(folder: str | Path, *, allow_code: bool = False) -> tuple[Task, Trajectory]:
     """Read a result folder.
+
+    Args:
+        folder: What `save_result` wrote.
+        allow_code: Import and run the index or the path that the task names with `call`; its
+            method and its solver have done their work and are left alone.
 
     Raises:
         MissingFileError: It holds no result, or its task names files that are gone.
@@ -84,7 +90,7 @@ def load_result(folder: str | Path) -> tuple[Task, Trajectory]:
     trajectory = load_trajectory(folder)
     if not (folder / "task.yaml").is_file():
         raise MissingFileError("the task of this result is missing", file=folder / "task.yaml")
-    task = Task.load(folder / "task.yaml")
+    task = Task.load(folder / "task.yaml", _DONE, allow_code=allow_code)
     if (len(trajectory.q), trajectory.joints) != (task.path.h, task.cell.joint_names):
         raise InputError(
             f"it answers another task: {len(trajectory.q)} points of {len(trajectory.joints)} "

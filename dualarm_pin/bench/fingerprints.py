@@ -11,6 +11,7 @@ from typing import Any
 from dualarm_pin.bench.run import Inputs, digest
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import DualArmError
+from dualarm_pin.files.call import calls_of, module_file, refuse_calls
 from dualarm_pin.files.cell_spec import CellSpec
 from dualarm_pin.files.read_task import read_task
 from dualarm_pin.files.source import Key, Source, check, plain
@@ -27,13 +28,14 @@ class Fingerprints:
     def __init__(self) -> None:
         self._robots: dict[str, dict[Path, str]] = {}
 
-    def read(self, file: Path, changes: Sequence[str]) -> Inputs:
-        """Check a variant of a task and return its fingerprints.
+    def read(self, file: Path, changes: Sequence[str], *, allow_code: bool = False) -> Inputs:
+        """Check a variant of a task and return its fingerprints; none of its code is imported.
 
         Raises:
             InputError: The task, the cell or a change is wrong.
         """
         task, cell, keys = read_task(file, changes)
+        refuse_calls(task, allow_code=allow_code)
         check(task, TaskSpec)
         check(cell, CellSpec, keys)
         robots = dict(self._robots_of(cell, keys))
@@ -42,6 +44,10 @@ class Fingerprints:
             if isinstance(named, str):
                 path = (file.parent / named).resolve()
                 robots[path] = file_digest(path)
+        for _, call in calls_of(task):
+            module = module_file(task, call.partition(":")[0])
+            if module is not None:
+                robots[module] = file_digest(module)
         # The content of the cell counts, not where it stands.
         content = {key: plain(value) for key, value in task.data.items() if key != "cell"}
         files = {str(path): sha for path, sha in robots.items()}

@@ -68,6 +68,7 @@ class Run:
         seed: Seed of its starts.
         time_limit: Budget [s].
         version: Version of the package.
+        allow_code: The task may name functions of its own.
     """
 
     task: str
@@ -78,6 +79,7 @@ class Run:
     seed: int
     time_limit: float
     version: str
+    allow_code: bool = False
 
     @property
     def key(self) -> str:

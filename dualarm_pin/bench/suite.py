@@ -14,6 +14,7 @@ from dualarm_pin.bench.fingerprints import Fingerprints
 from dualarm_pin.bench.gates import Gate, read_gate
 from dualarm_pin.bench.run import Method, Run, changes
 from dualarm_pin.errors import InputError, nearest
+from dualarm_pin.files.call import refuse_calls
 from dualarm_pin.files.source import Key, Source, check, read_yaml
 from dualarm_pin.files.suite_spec import (
     MapEntry,
@@ -52,17 +53,22 @@ class Suite:
     limitations: tuple[str, ...]
 
     @classmethod
-    def load(cls, file: str | Path) -> Suite:
+    def load(cls, file: str | Path, *, allow_code: bool = False) -> Suite:
         """Read a suite file and everything it names.
+
+        Args:
+            file: The suite file (YAML).
+            allow_code: Its runs import and run the functions that it and its tasks `call`.
 
         Raises:
             InputError: The suite, or a task that it names, is wrong: file, line and field.
         """
         source = read_yaml(file)
+        refuse_calls(source, allow_code=allow_code)
         spec = check(source, SuiteSpec)
         tasks = list(_tasks(source, spec))
         methods = list(_methods(source, spec))
-        runs = tuple(_runs(source, spec, tasks, methods))
+        runs = tuple(_runs(source, spec, tasks, methods, allow_code))
         names = [t.name for t in tasks], [m.name for m, _ in methods]
         gates = []
         for i, entry in enumerate(spec.gates):
@@ -155,6 +161,7 @@ def _runs(
     spec: SuiteSpec,
     tasks: Sequence[_Task],
     methods: Sequence[tuple[Method, MethodEntry]],
+    allow_code: bool,
 ) -> Iterator[Run]:
     prints = Fingerprints()
     counted = 0
@@ -162,7 +169,7 @@ def _runs(
     for task in tasks:
         for overrides in _variants(spec.overrides, task.overrides):
             try:
-                inputs = prints.read(task.file, changes(overrides))
+                inputs = prints.read(task.file, changes(overrides), allow_code=allow_code)
             except InputError as error:
                 if error.field is not None and error.field.startswith("--set "):
                     raise source.error(
@@ -185,6 +192,7 @@ def _runs(
                         seed=seed,
                         time_limit=entry.time_limit or spec.time_limit,
                         version=__version__,
+                        allow_code=allow_code,
                     )
                     twin = taken.setdefault(run.key, run)
                     if twin is not run:

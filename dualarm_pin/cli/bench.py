@@ -6,6 +6,9 @@ import shlex
 import sys
 import time
 from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
 
 from dualarm_pin.cli import DONE, INTERRUPTED
 from dualarm_pin.cli.terminal import TerminalProgress
@@ -21,6 +24,7 @@ def bench(
     jobs: int | None = None,
     cluster: str | None = None,
     resume: bool = False,
+    allow_code: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
     """Run a suite of tasks, methods and seeds, and write one table and one report.
 
@@ -33,6 +37,7 @@ def bench(
         jobs: Worker processes on this machine; all processors by default.
         cluster: Address of a dask scheduler that exists, instead of workers on this machine.
         resume: Continue the folder: runs that have a row are not repeated.
+        allow_code: Import and run the functions that the suite and its tasks name with `call`.
     """
     from dualarm_pin.bench.batch import run_suite
     from dualarm_pin.bench.report.page import write_report
@@ -42,7 +47,7 @@ def bench(
     if jobs is not None and (jobs < 1 or cluster is not None):
         why = "belongs to local workers, not to --cluster" if cluster else "1 or more is expected"
         raise InputError(f"{why}; given {jobs}", field="--jobs")
-    asked = Suite.load(suite)
+    asked = Suite.load(suite, allow_code=allow_code)
     folder = out or Path("results") / suite.stem
     with BatchProgress() as progress:
         try:
@@ -53,7 +58,7 @@ def bench(
             progress.line(f"stopped: what ended is in {folder}, continue with --resume")
             return INTERRUPTED
         progress.stage("writing the report")
-        write_report(asked, batch, command(suite, folder, jobs, cluster))
+        write_report(asked, batch, command(suite, folder, jobs, cluster, allow_code))
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.most_common())
     print(f"{len(batch.rows)} runs: {counts}")
     for gate, failure in batch.gates:
@@ -65,11 +70,14 @@ def bench(
     return DONE if batch.passed else GATE_FAILED
 
 
-def command(suite: Path, folder: Path, jobs: int | None, cluster: str | None) -> str:
+def command(
+    suite: Path, folder: Path, jobs: int | None, cluster: str | None, allow_code: bool
+) -> str:
     """Return the exact command that makes a batch again; into a new folder, or with --resume."""
     words = ["dualarm-pin", "bench", str(suite), "--out", str(folder)]
     words += ["--jobs", str(jobs)] if jobs is not None else []
     words += ["--cluster", cluster] if cluster is not None else []
+    words += ["--allow-code"] if allow_code else []
     return shlex.join(words)
 
 

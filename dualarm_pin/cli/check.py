@@ -17,6 +17,7 @@ def check(
     json: bool = False,
     html: Path | None = None,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
+    allow_code: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
     """Load a cell or a task and show what was understood.
 
@@ -25,10 +26,11 @@ def check(
         json: Print JSON for programs.
         html: Write a picture of the cell into this file.
         set_: Change a field of a task or its cell: key=value.
+        allow_code: Import and run the functions that a task file names with `call`.
     """
     from dualarm_pin.inspection import inspect
 
-    report = inspect(file, set_)
+    report = inspect(file, set_, allow_code=allow_code)
     print(json_text.dumps(report.as_dict(), indent=1) if json else report.as_text())
     if html is not None:
         report.draw(html)

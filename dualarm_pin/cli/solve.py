@@ -15,13 +15,14 @@ from dualarm_pin.cli.terminal import TerminalProgress
 def solve(
     task: Path,
     *,
-    method: Literal["global", "two-stage", "local", "casadi", "pink"] = "global",
+    method: Literal["global", "two-stage", "local", "casadi", "pink"] | None = None,
     effort: Literal["quick", "normal", "thorough"] = "normal",
     solver: str | None = None,
     starts: int | None = None,
     seed: int = 0,
     jobs: int | None = None,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
+    allow_code: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
 ) -> int:
     """Solve a task and write the result into a folder.
@@ -29,27 +30,32 @@ def solve(
     Args:
         task: A task file (YAML).
         method: The whole path at once, the paper's two stages, or step by step; casadi and pink
-            are peers for comparison and need their extras.
+            are peers for comparison and need their extras. That of the task file by default, else
+            global.
         effort: How much evidence to gather; for the global method.
-        solver: Solver of the method; for `local` one of free, clamped, qp.
+        solver: Solver of the method: engine, nlopt-slsqp, ipopt or fatrop for global and
+            two-stage; free, clamped or qp for local.
         starts: Number of starts.
         seed: Seed of the starts: the same seed gives the same answer.
         jobs: Threads or processes to use; all processors by default.
         set_: Change a field of the task or cell: key=value, such as smoothness=30.
+        allow_code: Import and run the functions that the task file names with `call`.
         out: Folder of the result; results/TASK-METHOD by default.
     """
     from dualarm_pin.answer.folder import save_result
     from dualarm_pin.answer.summary import summary
     from dualarm_pin.planners.methods import plan
+    from dualarm_pin.solvers.solver import name_of
     from dualarm_pin.task import Task
 
-    asked = Task.load(task, set_)
-    folder = out or Path("results") / f"{task.stem}-{method}"
+    loaded = Task.load(task, set_, allow_code=allow_code)
+    how = method or name_of(loaded.method or "global")
+    folder = out or Path("results") / f"{task.stem}-{how.replace(':', '-')}"
     with TerminalProgress() as progress:
-        for warning in asked.cell.warnings:
+        for warning in loaded.cell.warnings:
             progress.line(f"warning: {warning}")
         trajectory = plan(
-            asked,
+            loaded,
             method,
             effort=effort,
             solver=solver,
@@ -58,8 +64,8 @@ def solve(
             jobs=jobs,
             progress=progress,
         )
-    save_result(folder, asked, trajectory)
-    print(summary(asked, trajectory))
+    save_result(folder, loaded, trajectory)
+    print(summary(loaded, trajectory))
     print(f"written to {folder}")
     if not trajectory.found:
         print(f"dualarm-pin: no solution was found: {trajectory.message}", file=sys.stderr)

@@ -18,6 +18,7 @@ def view(
     html: Path | None = None,
     port: int = 0,
     browser: bool = True,
+    allow_code: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
     """Show results in the browser, or write them as one file that opens without a network.
 
@@ -26,6 +27,7 @@ def view(
         html: Write this file instead of opening a browser.
         port: Port of the local page; a free one by default.
         browser: Open the page in the browser.
+        allow_code: Import and run the index or the path that a task names with `call`.
     """
     from dualarm_pin.answer.folder import labels, load_result
     from dualarm_pin.show import report_page, serve, write_report
@@ -33,7 +35,8 @@ def view(
     if not results:
         raise InputError("name at least one result folder", field="RESULT_DIR")
     loaded = {
-        label: load_result(folder) for label, folder in zip(labels(results), results, strict=True)
+        label: load_result(folder, allow_code=allow_code)
+        for label, folder in zip(labels(results), results, strict=True)
     }
     first, _ = next(iter(loaded.values()))
     title = first.path.name if len(loaded) == 1 else f"{len(loaded)} results"

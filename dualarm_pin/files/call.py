@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import importlib
 import inspect
+import re
 import sys
 import traceback
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
@@ -26,7 +27,8 @@ from dualarm_pin.errors import DualArmError, InputError, nearest
 from dualarm_pin.files.source import Key, Source, Spec, plain
 
 T = TypeVar("T")
-ModuleAndFunction = Annotated[str, Field(pattern=r"^[\w.]+:\w+$")]
+_PATTERN = r"^[\w.]+:\w+$"
+ModuleAndFunction = Annotated[str, Field(pattern=_PATTERN)]
 
 
 class CallSpec(Spec):
@@ -243,7 +245,7 @@ def calls_of(source: Source) -> list[tuple[tuple[Key, ...], str]]:
 def _calls(data: Any, keys: tuple[Key, ...]) -> Iterator[tuple[tuple[Key, ...], str]]:
     """Yield every `call` outside the cell, which takes none, and what it names."""
     if isinstance(data, dict):
-        if isinstance(data.get("call"), str):
+        if isinstance(data.get("call"), str) and re.match(_PATTERN, data["call"]):
             yield (*keys, "call"), data["call"]
         parts = [(key, value) for key, value in data.items() if (*keys, key) != ("cell",)]
     elif isinstance(data, list):

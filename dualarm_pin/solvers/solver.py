@@ -154,7 +154,9 @@ def cut_off(start: Array) -> Solution:
 
 
 def name_of(function: object) -> str:
-    """Return what a solver or planner is called in results."""
+    """Return what a solver or planner is called in results; a name is itself."""
+    if isinstance(function, str):
+        return function
     return str(
         getattr(function, "name", None) or getattr(function, "__name__", type(function).__name__)
     )

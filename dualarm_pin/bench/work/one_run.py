@@ -61,7 +61,7 @@ def prepare(run: Run) -> tuple[Task, Planner]:
             ) from error
         if not same:
             raise InputError("the file changed since the batch began", file=file)
-    task = _task(run.file, run.changes)
+    task = _task(run.file, run.changes, run.allow_code)
     return task, _planner(run, task)
 
 
@@ -102,8 +102,8 @@ def failed(error: Exception) -> Outcome:
 
 
 @lru_cache(maxsize=8)
-def _task(file: str, changes: tuple[str, ...]) -> Task:
-    return Task.load(file, changes)
+def _task(file: str, changes: tuple[str, ...], allow_code: bool) -> Task:
+    return Task.load(file, changes, allow_code=allow_code)
 
 
 @lru_cache(maxsize=8)
