@@ -136,6 +136,28 @@ def test_casadi_as_a_method(ca, task):
     assert found.evidence.verdict == "local_only"
 
 
+def test_casadi_hits_of_a_negative_objective_are_counted(ca, task):
+    """Yoshikawa's index is below zero: the best start is a hit of itself all the same."""
+    law = plan(
+        replace(task, index=indices.yoshikawa(), smoothness=0.01), "casadi", starts=3, seed=1
+    ).evidence.laws["whole path"]
+    assert 1 <= law.best_hits <= law.converged <= 3
+
+
+def test_minima_of_one_objective_are_told_apart_by_their_joints():
+    from dualarm_pin.planners.peers import count_starts
+    from dualarm_pin.solvers import Solution
+
+    def end(at, objective, converged=True):
+        q = np.full((2, 3), at)
+        return Solution(q, objective, 0.0, feasible=True, converged=converged, message="")
+
+    ends = [end(0.0, -2.0), end(0.001, -2.0), end(1.0, -2.0), end(2.0, -1.0), end(3.0, -3.0, False)]
+    law = count_starts(ends, ends[0])
+    assert (law.starts, law.converged, law.minima, law.best_hits) == (5, 4, 3, 2)
+    assert count_starts(ends, ends[4]).best_hits == 0
+
+
 def test_pink_follows_the_path_and_seeks_manipulability(task):
     pytest.importorskip("pink")
     from dualarm_pin.planners.peers import plan_pink
