@@ -13,10 +13,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from dualarm_pin import indices as indices
+    from dualarm_pin import rows as rows
     from dualarm_pin import solvers as solvers
     from dualarm_pin.answer.folder import load_result as load_result
     from dualarm_pin.answer.folder import save_result as save_result
     from dualarm_pin.answer.trajectory import Trajectory as Trajectory
+    from dualarm_pin.answer.verify import verified as verified
     from dualarm_pin.answer.verify import verify as verify
     from dualarm_pin.cell import Cell as Cell
     from dualarm_pin.errors import DualArmError as DualArmError
@@ -33,10 +35,9 @@ if TYPE_CHECKING:
     from dualarm_pin.problem import Problem as Problem
     from dualarm_pin.relative import Relative as Relative
     from dualarm_pin.show import Player as Player
-    from dualarm_pin.show import Run as Run
     from dualarm_pin.show import plots as plots
     from dualarm_pin.show import write_report as write_report
-    from dualarm_pin.solvers.solution import Solution as Solution
+    from dualarm_pin.solution import Solution as Solution
     from dualarm_pin.solvers.solver import Solver as Solver
     from dualarm_pin.task import Task as Task
     from dualarm_pin.tolerance import Tolerance as Tolerance
@@ -47,6 +48,7 @@ _MODULES = {
     "indices": "indices",
     "paths": "path.paths",
     "plots": "show.plots",
+    "rows": "rows",
     "solvers": "solvers",
 }
 _HOMES = {
@@ -56,12 +58,11 @@ _HOMES = {
     "Player": "show",
     "Problem": "problem",
     "Relative": "relative",
-    "Run": "show",
     "Task": "task",
     "Tolerance": "tolerance",
     "Trajectory": "answer.trajectory",
     "DualArmError": "errors",
-    "Solution": "solvers.solution",
+    "Solution": "solution",
     "Solver": "solvers.solver",
     "examine": "evidence",
     "load_result": "answer.folder",
@@ -72,6 +73,7 @@ _HOMES = {
     "polish": "planners.whole_path",
     "save_result": "answer.folder",
     "urdf_folder": "files.resources",
+    "verified": "answer.verify",
     "verify": "answer.verify",
     "write_report": "show",
 }

@@ -35,11 +35,7 @@
 # %matplotlib inline
 import numpy as np
 
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.planners import plan_global, plan_local, plan_two_stage, polish
-from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, plots
-from dualarm_pin.task import Task
+import dualarm_pin as dp
 
 STARTS = 10  # the paper takes 100 for each of its problems; that is about two minutes on two cores
 
@@ -50,7 +46,7 @@ STARTS = 10  # the paper takes 100 for each of its problems; that is about two m
 # path, the index and the smoothness; `Task.load` reads it.
 
 # %%
-task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+task = dp.Task.load(dp.urdf_folder() / "tasks" / "paper_corner.yaml")
 cell, path = task.cell, task.path
 print(f"{cell.name}: {cell.n} joints, of {cell.arms[0].name} and {cell.arms[1].name}")
 print(f"{path.name}: {path.h} points, {path.length:.3f} m, Gamma = {[i + 1 for i in task.Gamma]}")
@@ -63,7 +59,7 @@ assert (cell.n, path.h) == (12, 31)
 # by a right angle.
 
 # %%
-plots.figure_path(path, task.Gamma, title="Fig. 3")
+dp.plots.figure_path(path, task.Gamma, title="Fig. 3")
 
 # %% [markdown]
 # ## What is a good posture?
@@ -81,7 +77,7 @@ plots.figure_path(path, task.Gamma, title="Fig. 3")
 
 # %%
 q = np.zeros(cell.n)
-here = Relative(cell, q)
+here = dp.Relative(cell, q)
 u = path.u[0]
 c = u @ here.J_r @ here.J_r.T @ u
 
@@ -107,7 +103,7 @@ assert np.isclose(np.linalg.norm(torques), 100.0 * np.sqrt(c))
 # minima, and the best is kept.
 
 # %%
-two_stage = plan_two_stage(task, starts=STARTS, seed=0)
+two_stage = dp.plan_two_stage(task, starts=STARTS, seed=0)
 assert two_stage.found
 print(f"two-stage: mean c {two_stage.mean_index:.3f}, objective {two_stage.objective:.3f}")
 
@@ -129,7 +125,7 @@ print(f"two-stage: mean c {two_stage.mean_index:.3f}, objective {two_stage.objec
 
 # %%
 local = {
-    variant: plan_local(task, two_stage.q[0], variant=variant)
+    variant: dp.plan_local(task, two_stage.q[0], variant=variant)
     for variant in ("free", "clamped", "qp")
 }
 for variant, t in local.items():
@@ -148,8 +144,8 @@ assert all(t.max_position_error < 1e-6 for t in local.values())
 # many starts (`plan_global`).
 
 # %%
-polished = polish(task, two_stage.q)
-whole = plan_global(task, effort="quick", seed=0)
+polished = dp.polish(task, two_stage.q)
+whole = dp.plan_global(task, effort="quick", seed=0)
 
 methods = {
     "two-stage": two_stage,
@@ -173,7 +169,7 @@ assert abs(whole.mean_index - 0.4063) < 1e-3
 # other 25, and the second cannot leave it.
 
 # %%
-plots.figure_index(
+dp.plots.figure_index(
     methods,
     title="Fig. 4: the whole task against step by step",
 )
@@ -187,7 +183,7 @@ plots.figure_index(
 # bounds.
 
 # %%
-plots.figure_joints(
+dp.plots.figure_joints(
     cell,
     {"whole path at once": whole, "pseudo-inverse": local["free"]},
 )
@@ -200,13 +196,13 @@ plots.figure_joints(
 
 # %%
 random = {
-    f"random posture {k}": plan_local(task, variant="free", seed=k, starts=1) for k in (1, 2, 3)
+    f"random posture {k}": dp.plan_local(task, variant="free", seed=k, starts=1) for k in (1, 2, 3)
 }
-best_first = plan_local(task, whole.q[0], variant="free")
+best_first = dp.plan_local(task, whole.q[0], variant="free")
 curves = {"from the best path": best_first, **random}
 assert all(best_first.mean_index < t.mean_index for t in random.values())
 
-plots.figure_index(
+dp.plots.figure_index(
     curves,
     title="Fig. 5: pseudo-inverse from several first postures",
 )
@@ -219,7 +215,7 @@ plots.figure_index(
 # *Side by side* to compare. The page is part of this notebook: it works in a saved copy too.
 
 # %%
-Player(task, methods, title="The paper's task", at=0.5)
+dp.Player(task, methods, title="The paper's task", at=0.5)
 
 # %% [markdown]
 # ## What was checked

@@ -29,16 +29,10 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell import Cell
-from dualarm_pin.errors import DualArmError, MissingExtraError
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.path.generators import circle, raster
-from dualarm_pin.planners import plan_global
-from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, plots
-from dualarm_pin.task import Task
+import dualarm_pin as dp
+from dualarm_pin.errors import MissingExtraError
 
-ns16 = urdf_folder() / "ns16" / "ns16.urdf"
+ns16 = dp.urdf_folder() / "ns16" / "ns16.urdf"
 folder = Path(tempfile.mkdtemp())
 
 # %% [markdown]
@@ -73,7 +67,7 @@ def placed(x: float, y: float, yaw_deg: float) -> pin.SE3:
 
 
 spindle = pin.SE3(np.eye(3), np.array([0.0, 0.0, 0.2]))  # a tool, 20 cm along z of the flange
-cell = Cell.from_urdf(
+cell = dp.Cell.from_urdf(
     ns16,
     ns16,
     base2=placed(1.6, 1.6, -90),
@@ -97,9 +91,9 @@ q = np.random.default_rng(1).uniform(cell.lower, cell.upper)
 data = cell.model.createData()
 pin.framesForwardKinematics(cell.model, data, cell.model_q(q))
 by_hand = data.oMf[cell.e1].inverse() * data.oMf[cell.e2]
-assert by_hand.isApprox(Relative(cell, q).T_e1_e2, 1e-12)
+assert by_hand.isApprox(dp.Relative(cell, q).T_e1_e2, 1e-12)
 
-at_rest = Relative(cell, np.zeros(cell.n)).T_e1_e2.translation
+at_rest = dp.Relative(cell, np.zeros(cell.n)).T_e1_e2.translation
 print("with all joints at zero, e2 is", np.round(at_rest, 3), "m from e1, in the axes of e1")
 
 # %% [markdown]
@@ -112,9 +106,9 @@ print("with all joints at zero, e2 is", np.round(at_rest, 3), "m from e1, in the
 # flange; by default the tools face each other, as in the paper. Then plan.
 
 # %%
-path = circle(0.1, height=0.2, points=21)
-task = Task(cell, path)
-best = plan_global(task, effort="quick", seed=0)
+path = dp.paths.circle(0.1, height=0.2, points=21)
+task = dp.Task(cell, path)
+best = dp.plan_global(task, effort="quick", seed=0)
 
 print(f"found {best.found}, mean c {best.mean_index:.3f} m^2, largest {best.max_index:.3f}")
 print(f"distance between the arms {best.arm_clearance:.3f} m")
@@ -122,7 +116,7 @@ assert best.found
 assert 0.3 < best.mean_index < 1.0
 
 # %%
-Player(task, {"around the corner": best}, title=cell.name, at=0.3)
+dp.Player(task, {"around the corner": best}, title=cell.name, at=0.3)
 
 # %% [markdown]
 # `found` is decided by a check with Pinocchio, not by the solver. It takes three lines to do so
@@ -130,7 +124,7 @@ Player(task, {"around the corner": best}, title=cell.name, at=0.3)
 
 # %%
 worst = max(
-    np.linalg.norm(Relative(cell, row).T_e1_e2.translation - path.position[i])
+    np.linalg.norm(dp.Relative(cell, row).T_e1_e2.translation - path.position[i])
     for i, row in enumerate(best.q)
 )
 print(f"largest distance from the path: {worst:.1e} m")
@@ -171,8 +165,8 @@ index: {force: {direction: tangent}}
 smoothness: 3.0
 """)
 
-from_file = Task.load(folder / "task.yaml")
-again = plan_global(from_file, effort="quick", seed=0)
+from_file = dp.Task.load(folder / "task.yaml")
+again = dp.plan_global(from_file, effort="quick", seed=0)
 print(f"mean c {again.mean_index:.4f}, from Python {best.mean_index:.4f}")
 assert np.isclose(again.objective, best.objective, rtol=1e-6)
 
@@ -187,8 +181,8 @@ text = (folder / "cell.yaml").read_text()
 (folder / "typo.yaml").write_text(text.replace("joint_3:", "joint3:"))
 
 try:
-    Cell.load(folder / "typo.yaml")
-except DualArmError as error:
+    dp.Cell.load(folder / "typo.yaml")
+except dp.DualArmError as error:
     message = str(error).replace(str(folder), "...")
     print(message)
 assert "joint_3" in message and "typo.yaml" in message
@@ -198,8 +192,8 @@ assert "joint_3" in message and "typo.yaml" in message
 # message names the first point without a posture.
 
 # %%
-far = Cell.from_urdf(ns16, ns16, base2=placed(4.5, 0.0, 180), limits=limits)
-nothing = plan_global(Task(far, path), effort="quick", starts=20, seed=0)
+far = dp.Cell.from_urdf(ns16, ns16, base2=placed(4.5, 0.0, 180), limits=limits)
+nothing = dp.plan_global(dp.Task(far, path), effort="quick", starts=20, seed=0)
 print(nothing.message)
 assert not nothing.found
 assert "no solution" in nothing.message
@@ -214,10 +208,10 @@ assert "no solution" in nothing.message
 distances = [1.4, 1.5, 1.6, 1.7]
 plans = []
 for d in distances:
-    there = Cell.from_urdf(
+    there = dp.Cell.from_urdf(
         ns16, ns16, base2=placed(d, d, -90), tools=(None, spindle), limits=limits
     )
-    plans.append(plan_global(Task(there, path), effort="quick", seed=0))
+    plans.append(dp.plan_global(dp.Task(there, path), effort="quick", seed=0))
 
 print("base [m]  mean c [m^2]  between the arms [m]")
 for d, plan in zip(distances, plans, strict=True):
@@ -225,7 +219,7 @@ for d, plan in zip(distances, plans, strict=True):
 assert all(plan.found for plan in plans)
 
 # %%
-plots.figure_index(
+dp.plots.figure_index(
     {f"base at {d:.1f} m": plan for d, plan in zip(distances, plans, strict=True)},
     title="The same circle from four places",
     along="arc_length",
@@ -247,7 +241,7 @@ plots.figure_index(
 # %%
 robots = "package://example-robot-data/robots/"
 try:
-    mixed = Cell.from_urdf(
+    mixed = dp.Cell.from_urdf(
         robots + "panda_description/urdf/panda.urdf",
         robots + "ur_description/urdf/ur5_robot.urdf",
         base2=placed(1.2, 0.0, 180),
@@ -261,13 +255,13 @@ except MissingExtraError as error:
 
 shown = None
 if mixed is not None:
-    zigzag = raster(0.12, 0.06, 3, fillet=0.01, height=0.1, points=31)
-    asked = Task(mixed, zigzag)
-    answer = plan_global(asked, effort="quick", seed=0)
+    zigzag = dp.paths.raster(0.12, 0.06, 3, fillet=0.01, height=0.1, points=31)
+    asked = dp.Task(mixed, zigzag)
+    answer = dp.plan_global(asked, effort="quick", seed=0)
     print(f"{mixed.n} joints, found {answer.found}, mean c {answer.mean_index:.4f} m^2")
     print(f"between the arms {answer.arm_clearance:.3f} m")
     assert answer.found and mixed.n == 13 and answer.arm_clearance > 0
-    shown = Player(asked, {"zigzag": answer}, title=mixed.name, at=0.5)
+    shown = dp.Player(asked, {"zigzag": answer}, title=mixed.name, at=0.5)
 shown
 
 # %% [markdown]

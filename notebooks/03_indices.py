@@ -29,17 +29,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from dualarm_pin import indices
-from dualarm_pin.answer.verify import verified
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.planners import plan_global
-from dualarm_pin.relative import Relative
-from dualarm_pin.show import Player, plots
-from dualarm_pin.task import Task
+import dualarm_pin as dp
 
-task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+task = dp.Task.load(dp.urdf_folder() / "tasks" / "paper_corner.yaml")
 cell, path = task.cell, task.path
-best = plan_global(task, effort="quick", seed=0)
+best = dp.plan_global(task, effort="quick", seed=0)
 assert abs(best.mean_index - 0.4063) < 1e-3
 
 # %% [markdown]
@@ -56,7 +50,7 @@ assert abs(best.mean_index - 0.4063) < 1e-3
 # %%
 i = 6  # the seventh point, in the middle of the first straight
 q, u = best.q[i], path.u[i]
-J = Relative(cell, q).J_r
+J = dp.Relative(cell, q).J_r
 A = J @ J.T
 
 axes, widths, _ = np.linalg.svd(J[:3])
@@ -82,8 +76,8 @@ print(f"alpha = {alpha:.3f} 1/m: {1 / alpha:.3f} Nm for 1 N;  beta = {beta:.3f} 
 q_dot = np.linalg.pinv(J) @ u  # the shortest joint speeds with J q_dot = u
 assert np.isclose(np.linalg.norm(q_dot), 1 / beta)
 assert np.isclose(np.linalg.norm(J.T @ u), 1 / alpha)
-assert np.isclose(indices.force().phi(A, u), 1 / alpha**2)
-assert np.isclose(indices.velocity().phi(A, u), 1 / beta**2)
+assert np.isclose(dp.indices.force().phi(A, u), 1 / alpha**2)
+assert np.isclose(dp.indices.velocity().phi(A, u), 1 / beta**2)
 assert beta <= 1 / alpha + 1e-12  # they meet only where u is an axis of the ellipsoid
 
 # %% [markdown]
@@ -92,7 +86,7 @@ assert beta <= 1 / alpha + 1e-12  # they meet only where u is an axis of the ell
 # arrow, the blue one is thin there, and through the fillet they turn with it.
 
 # %%
-Player(
+dp.Player(
     task,
     {"best for force": best},
     title="What is strong is slow",
@@ -116,12 +110,12 @@ Player(
 # %%
 linear = (1, 1, 1, 0, 0, 0)
 asked = {
-    "force": (indices.force(), 3.0),
-    "velocity": (indices.velocity(task_weights=linear), 3.0),
-    "Yoshikawa": (indices.yoshikawa(task_weights=linear), 30.0),
+    "force": (dp.indices.force(), 3.0),
+    "velocity": (dp.indices.velocity(task_weights=linear), 3.0),
+    "Yoshikawa": (dp.indices.yoshikawa(task_weights=linear), 30.0),
 }
 answers = {
-    name: plan_global(replace(task, index=index, smoothness=weight), effort="quick", seed=0)
+    name: dp.plan_global(replace(task, index=index, smoothness=weight), effort="quick", seed=0)
     for name, (index, weight) in asked.items()
 }
 assert all(t.found for t in answers.values())
@@ -132,12 +126,12 @@ assert all(t.found for t in answers.values())
 
 
 # %%
-def mean_of(index: indices.Index, q: np.ndarray) -> float:
+def mean_of(index: dp.indices.Index, q: np.ndarray) -> float:
     """Return the mean of an index over the path."""
     weights = np.ones(6) if index.task_weights is None else np.asarray(index.task_weights)
     values = []
     for row, direction in zip(q, path.u, strict=True):
-        jacobian = np.sqrt(weights)[:, None] * Relative(cell, row).J_r
+        jacobian = np.sqrt(weights)[:, None] * dp.Relative(cell, row).J_r
         values.append(index.phi(jacobian @ jacobian.T, direction))
     return float(np.mean(values))
 
@@ -158,16 +152,16 @@ for name, t in answers.items():  # our own mean is that of the package
 # factor of fifteen. If the direction is known, say so.
 
 # %%
-plots.figure_index(
+dp.plots.figure_index(
     {
-        f"planned for {name}": verified(task, t.q, method=t.method, solver=t.solver)
+        f"planned for {name}": dp.verified(task, t.q, method=t.method, solver=t.solver)
         for name, t in answers.items()
     },
     title="The force index of three answers",
 )
 
 # %%
-Player(
+dp.Player(
     task,
     {f"planned for {name}": t for name, t in answers.items()},
     title="Three indices",
@@ -184,8 +178,8 @@ Player(
 # for the joints cost?
 
 # %%
-centred = plan_global(
-    replace(task, index=indices.force().with_joint_centre(0.1)), effort="quick", seed=0
+centred = dp.plan_global(
+    replace(task, index=dp.indices.force().with_joint_centre(0.1)), effort="quick", seed=0
 )
 
 
@@ -194,7 +188,7 @@ def at_bounds(q: np.ndarray) -> int:
     return int(np.sum((q < cell.lower + 1e-6) | (q > cell.upper - 1e-6)))
 
 
-before, after = mean_of(indices.force(), best.q), mean_of(indices.force(), centred.q)
+before, after = mean_of(dp.indices.force(), best.q), mean_of(dp.indices.force(), centred.q)
 print(f"force index {before:.3f} with {at_bounds(best.q)} values on their bounds")
 print(f"force index {after:.3f} with {at_bounds(centred.q)} of them, with the centre term")
 assert before < after
@@ -233,8 +227,8 @@ def grind_curvature(A, u, D):
     return np.zeros((6, 6))
 
 
-grind = indices.custom("grind", grind_phi, grind_gradient, grind_curvature, units="m^2")
-report = indices.check_derivatives(grind)
+grind = dp.indices.custom("grind", grind_phi, grind_gradient, grind_curvature, units="m^2")
+report = dp.indices.check_derivatives(grind)
 print(report)
 assert report.passed
 
@@ -249,14 +243,14 @@ def slipped_gradient(A, u):
     return G
 
 
-wrong = indices.check_derivatives(indices.custom("slip", grind_phi, slipped_gradient))
+wrong = dp.indices.check_derivatives(dp.indices.custom("slip", grind_phi, slipped_gradient))
 print(wrong)
 assert not wrong.passed
 
 # %%
-ground = plan_global(replace(task, index=grind), effort="quick", seed=0)
+ground = dp.plan_global(replace(task, index=grind), effort="quick", seed=0)
 for name, t in {"force": best, "grind": ground}.items():
-    along, both = mean_of(indices.force(), t.q), mean_of(grind, t.q)
+    along, both = mean_of(dp.indices.force(), t.q), mean_of(grind, t.q)
     print(f"planned for {name}: along {along:.3f} m^2, onto the part {both - along:.3f} m^2")
 assert ground.found
 assert mean_of(grind, ground.q) < mean_of(grind, best.q)

@@ -25,13 +25,9 @@
 # %matplotlib inline
 import numpy as np
 
-from dualarm_pin.evidence import examine
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.planners import plan_global, plan_local, polish
-from dualarm_pin.show import Player, plots
-from dualarm_pin.task import Task
+import dualarm_pin as dp
 
-task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+task = dp.Task.load(dp.urdf_folder() / "tasks" / "paper_corner.yaml")
 cell, path = task.cell, task.path
 problem = task.problem()
 
@@ -47,7 +43,7 @@ rng = np.random.default_rng(0)
 ends = []
 for _ in range(60):
     posture = rng.uniform(cell.lower, cell.upper)
-    end = polish(task, np.tile(posture, (path.h, 1)))
+    end = dp.polish(task, np.tile(posture, (path.h, 1)))
     if end.found:
         ends.append(end)
 
@@ -63,8 +59,8 @@ from matplotlib.figure import Figure
 
 figure = Figure(figsize=(6.4, 3.2), layout="constrained")
 ax = figure.add_subplot()
-ax.plot(np.arange(1, len(objectives) + 1), objectives, "o", color=plots.COLOURS[0], ms=4)
-ax.axhline(12.7309, color=plots.COLOURS[1], lw=1.5, label="best known, 12.731")
+ax.plot(np.arange(1, len(objectives) + 1), objectives, "o", color=dp.plots.COLOURS[0], ms=4)
+ax.axhline(12.7309, color=dp.plots.COLOURS[1], lw=1.5, label="best known, 12.731")
 ax.set_xlabel("descent, sorted")
 ax.set_ylabel("objective (19)")
 ax.legend(frameon=False)
@@ -85,7 +81,7 @@ figure
 
 # %%
 incumbent = min(ends, key=lambda end: end.objective)
-evidence = examine(problem, incumbent.q, seed=0)
+evidence = dp.examine(problem, incumbent.q, seed=0)
 local = evidence.local
 print(evidence.sentences, "\n")
 print(f"largest KKT residual  {local.stationarity:.1e}")
@@ -112,7 +108,7 @@ assert local.stationarity < 1e-6 and local.curvature_min > 0
 # \approx 3/N$.
 
 # %%
-best = plan_global(task, effort="normal", seed=0)
+best = dp.plan_global(task, effort="normal", seed=0)
 print(best.evidence.sentences, "\n")
 for law, count in best.evidence.laws.items():
     print(
@@ -144,7 +140,7 @@ assert np.isclose(best.evidence.missed_share_95, share, rtol=1e-6)
 # search of a piece missed a minimum**; pieces are short and easier to search than the path.
 
 # %%
-bounded = examine(problem, best.q, bound=True, seed=0)
+bounded = dp.examine(problem, best.q, bound=True, seed=0)
 bound = bounded.bound
 print(bounded.sentences, "\n")
 print(f"objective {bound.objective:.5f}")
@@ -167,8 +163,8 @@ assert bound.gap < 1e-3 and not bound.contradicted
 trap = min(
     (end for end in ends if end.objective > 13.0), key=lambda end: abs(end.objective - 14.5396)
 )
-checked = examine(problem, trap.q, seed=0)
-exposed = examine(problem, trap.q, bound=True, seed=0)
+checked = dp.examine(problem, trap.q, seed=0)
+exposed = dp.examine(problem, trap.q, bound=True, seed=0)
 print(f"incumbent {trap.objective:.4f}; level 1 says: {checked.local.kind}")
 print(exposed.sentences, "\n")
 if exposed.bound.replaced:
@@ -191,20 +187,20 @@ assert caught
 # the best path.
 
 # %%
-stepwise = plan_local(task, seed=0)
+stepwise = dp.plan_local(task, seed=0)
 steps = {
     "whole path, best known": best,
     "step by step, from its own start": stepwise,
-    "step by step, from the best start": plan_local(task, best.q[0]),
+    "step by step, from the best start": dp.plan_local(task, best.q[0]),
 }
 for name, t in steps.items():
     print(f"{name:35} mean c {t.mean_index:.3f}, objective {t.objective:8.3f}")
 assert all(best.mean_index < t.mean_index for t in list(steps.values())[1:])
 
-plots.figure_index(steps)
+dp.plots.figure_index(steps)
 
 # %%
-Player(
+dp.Player(
     task,
     {"best known": best, "a wrong incumbent": trap, "step by step": stepwise},
     title="Three answers to one task",

@@ -32,14 +32,12 @@ from pathlib import Path
 import numpy as np
 from matplotlib.figure import Figure
 
-from dualarm_pin.answer.folder import load_result
+import dualarm_pin as dp
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.suite import Suite
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.show import Player, plots
 
 folder = Path(tempfile.mkdtemp())
-corner = urdf_folder() / "tasks" / "paper_corner.yaml"
+corner = dp.urdf_folder() / "tasks" / "paper_corner.yaml"
 
 # %% [markdown]
 # ## A suite
@@ -110,7 +108,7 @@ assert batch.passed
 
 # %%
 print(sorted(str(f.relative_to(folder)) for f in (folder / "methods").glob("*")))
-task, best = load_result(next((folder / "methods" / "best").iterdir()))
+task, best = dp.load_result(next((folder / "methods" / "best").iterdir()))
 print(f"best: mean c {best.mean_index:.4f} by {best.method}")
 assert abs(best.mean_index - 0.4063) < 1e-3
 
@@ -160,7 +158,7 @@ for row in placement.rows:
 figure = Figure(figsize=(6.4, 3.6), layout="constrained")
 ax = figure.add_subplot()
 for k, d in enumerate(distances):
-    ax.plot(step[k], mean[k], "o-", color=plots.COLOURS[k], label=f"base at {d:.1f} m")
+    ax.plot(step[k], mean[k], "o-", color=dp.plots.COLOURS[k], label=f"base at {d:.1f} m")
     for m, weight in enumerate(weights):
         ax.annotate(f"{weight:g}", (step[k, m], mean[k, m]), (5, 5), textcoords="offset points")
 ax.margins(0.08)
@@ -189,13 +187,13 @@ assert np.all(mean > 0)
 # %%
 by_weight = {}
 for place in sorted((folder / "placement" / "best").iterdir()):
-    placed_task, plan = load_result(place)
+    placed_task, plan = dp.load_result(place)
     base = placed_task.record["cell"]["arms"]["arm2"]["base"]["xyz"][0]
     if base == 2.5:
         by_weight[placed_task.smoothness] = plan
 assert len(by_weight) == 3
 shown = {f"λ = {weight:g}": by_weight[weight] for weight in sorted(by_weight)}
-Player(task, shown, title="The same place, three weights", layout="overlay", at=1.0)
+dp.Player(task, shown, title="The same place, three weights", layout="overlay", at=1.0)
 
 # %% [markdown]
 # ## Exercises

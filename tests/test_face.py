@@ -12,9 +12,9 @@ import pytest
 import dualarm_pin as dp
 
 NAMES = """
-Cell DualArmError Index Path Player Problem Relative Run Solution Solver Task Tolerance Trajectory
+Cell DualArmError Index Path Player Problem Relative Solution Solver Task Tolerance Trajectory
 __version__ examine indices load_result paths plan plan_global plan_local plan_two_stage plots
-polish save_result solvers urdf_folder verify write_report
+polish rows save_result solvers urdf_folder verified verify write_report
 """.split()
 HEAVY = {"numba", "matplotlib", "meshcat", "scipy", "distributed", "casadi", "pink", "rich"}
 

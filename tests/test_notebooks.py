@@ -61,9 +61,9 @@ def test_lesson_teaches_checks_and_shows(name):
     asserts = [node for node in ast.walk(tree) if isinstance(node, ast.Assert)]
     assert len(asserts) >= 5
     called = {
-        node.func.id
+        node.func.attr
         for node in ast.walk(tree)
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute)
     }
     assert "Player" in called
 
