@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from dualarm_pin.answer.verify import verify as verify
     from dualarm_pin.cell import Cell as Cell
     from dualarm_pin.errors import DualArmError as DualArmError
-    from dualarm_pin.evidence import examine as examine
+    from dualarm_pin.evidence.examine import examine as examine
     from dualarm_pin.files.resources import urdf_folder as urdf_folder
     from dualarm_pin.indices.index import Index as Index
     from dualarm_pin.path import Path as Path
@@ -64,7 +64,7 @@ _HOMES = {
     "DualArmError": "errors",
     "Solution": "solution",
     "Solver": "solvers.solver",
-    "examine": "evidence",
+    "examine": "evidence.examine",
     "load_result": "answer.folder",
     "plan": "planners.methods",
     "plan_global": "planners.whole_path",

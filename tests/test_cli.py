@@ -147,6 +147,18 @@ def test_a_wrong_command_ends_with_2_and_one_message(
     assert "Traceback" not in done.stderr
 
 
+def test_the_options_are_those_of_the_table_of_methods() -> None:
+    from typing import get_args, get_type_hints
+
+    from dualarm_pin.cli.solve import solve
+    from dualarm_pin.planners.methods import EFFORTS, METHODS
+
+    hints = get_type_hints(solve)
+    named, nothing = get_args(hints["method"])
+    assert get_args(named) == tuple(METHODS) and nothing is type(None)
+    assert get_args(hints["effort"]) == EFFORTS
+
+
 def test_version_and_help_end_with_0(tmp_path: Path) -> None:
     assert run("--version", cwd=tmp_path).stdout.strip().count(".") == 2
     for command in ((), ("solve",), ("paper",), ("view",), ("check",), ("bench",)):

@@ -20,8 +20,7 @@ import dualarm_pin as dp
 MINE = '''
 import numpy as np
 import dualarm_pin as dp
-from dualarm_pin.path.generators.curve import Samples
-from dualarm_pin.path.generators.follow import hold
+from dualarm_pin.reference import equalities
 
 
 def press(weight=1.0):
@@ -51,7 +50,7 @@ class Descent:
         q = np.clip(start, problem.lower, problem.upper)
         for _ in range(self.steps):
             for i in range(problem.k):
-                r, J = problem.point_jacobian(i, dp.Relative(problem.cell, q[i]))
+                r, J = equalities(problem, i, dp.Relative(problem.cell, q[i]))
                 q[i] = np.clip(q[i] - np.linalg.pinv(J) @ r, problem.lower, problem.upper)
         return dp.solvers.judged(problem, q, converged=True)
 

@@ -47,7 +47,8 @@ def write_report(suite: Suite, batch: Batch, command: str) -> None:
     Raises:
         InputError: The folder cannot be written.
     """
-    scene, shown, left_out = _scene(batch)
+    allow_code = any(run.allow_code for run in suite.runs)
+    scene, shown, left_out = _scene(batch, allow_code)
     groups = stats.summaries(batch.rows)
     methods = list(dict.fromkeys(row["method"] for row in batch.rows))
     parts = [
@@ -158,7 +159,7 @@ def _problems(groups: dict[Problem, list[Summary]]) -> str:
     return "".join(parts)
 
 
-def _scene(batch: Batch) -> tuple[Scene | None, list[str], int]:
+def _scene(batch: Batch, allow_code: bool) -> tuple[Scene | None, list[str], int]:
     """Return the best trajectory of each task as one scene, their labels, and how many are out."""
     from dualarm_pin.answer.folder import load_result
 
@@ -172,7 +173,8 @@ def _scene(batch: Batch) -> tuple[Scene | None, list[str], int]:
     for task, row in list(best.items())[:MOST_SCENES]:
         label = f"{task}: {row['method']}" + (f", {row['variant']}" if row["variant"] else "")
         try:
-            scene.add(label, *load_result(best_folder(batch.folder, (task, row["variant"]))))
+            folder = best_folder(batch.folder, (task, row["variant"]))
+            scene.add(label, *load_result(folder, allow_code=allow_code))
         except DualArmError:  # not kept, or its robots are gone: the tables stand without it
             continue
         labels.append(label)
