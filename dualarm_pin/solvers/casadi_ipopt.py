@@ -163,7 +163,7 @@ class Programme:
         q = np.clip(x.reshape(k, n), problem.lower, problem.upper)
         residual = violation(problem, q)
         stats = self._solver.stats()
-        feasible = bool(residual <= TOLERANCE.position / 10.0)
+        feasible = bool(residual <= TOLERANCE.feasible)
         return Solution(
             q=q,
             objective=problem.objective(q),
