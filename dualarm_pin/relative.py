@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import weakref
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from dualarm_pin.cell import Cell
+if TYPE_CHECKING:
+    from dualarm_pin.cell import Cell
 
 Array = NDArray[np.float64]
 
