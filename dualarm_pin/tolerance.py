@@ -19,6 +19,11 @@ class Tolerance:
         nlopt_rows: Violation of rows that NLopt may leave; the projection takes it away.
         on_path: Pose residual at which joints count as put onto the path [m or rad].
         exact: The same for the last projection of an answer: near what rounding leaves.
+        active: A joint nearer to its bound than this is held by it: the interior point leaves
+            active joints mu / z inside, 1e-9 at z = 0.01 [rad or m].
+        stationary: Largest slope of the Lagrangian at a minimum, times max(1, F).
+        flat: A curvature below this in size counts as none.
+        rank: A singular value of the active rows below this counts as 0.
         same_joint: Two paths are one minimum if no joint differs by more [rad or m].
         same_objective: ... and their objectives differ by less than this times max(1, F).
         singular: A singular value below this is reported as near-singular.
@@ -40,6 +45,10 @@ class Tolerance:
     nlopt_rows: float = 1e-8
     on_path: float = 1e-10
     exact: float = 1e-12
+    active: float = 1e-6
+    stationary: float = 1e-6
+    flat: float = 1e-7
+    rank: float = 1e-9
     same_joint: float = 0.02
     same_objective: float = 1e-5
     singular: float = 1e-3

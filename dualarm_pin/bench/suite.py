@@ -24,7 +24,7 @@ from dualarm_pin.files.suite_spec import (
 )
 from dualarm_pin.planners.methods import EFFORTS, METHODS, SOLVERS
 
-_MOST_RUNS = 1_000_000
+_MOST_RUNS = 1_000_000  # more is a slip in a grid, and they are all held in memory
 
 
 @dataclass(frozen=True)
