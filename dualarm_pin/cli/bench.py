@@ -10,7 +10,7 @@ from pathlib import Path
 from dualarm_pin.cli import DONE, INTERRUPTED
 from dualarm_pin.cli.terminal import TerminalProgress
 
-GATE_FAILED = 1
+GATE_FAILED = 1  # exit code
 _BETWEEN_LINES = 10.0  # seconds
 
 
