@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import os
 import platform
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from functools import lru_cache
@@ -85,7 +85,7 @@ class Column:
     answer: Callable[[Answered], Any] | None = None
     kept: bool = True
     text: bool = False
-    shown: tuple[Shown, ...] = ()
+    shown: Sequence[Shown] = ()
 
 
 @lru_cache(maxsize=1)
@@ -105,6 +105,10 @@ def machine() -> dict[str, Any]:
     }
 
 
+def _above(limit: float) -> Callable[[float], bool]:
+    return lambda value: value > limit
+
+
 COLUMNS: tuple[Column, ...] = (
     Column("key", run=lambda run: run.key),
     Column("task", run=lambda run: run.task),
@@ -116,66 +120,46 @@ COLUMNS: tuple[Column, ...] = (
     Column("seed", run=lambda run: run.seed),
     Column("time_limit", run=lambda run: run.time_limit),
     Column("inputs", run=lambda run: run.inputs.record(), kept=False),
-    Column("inputs.robots", kept=False, text=True),
-    Column("status"),
-    Column("reason"),
-    Column("found"),
-    Column("objective", shown=(Shown("objective, best found", "best", ".5g", least=True),)),
+    *(Column(name) for name in ("status", "reason", "found")),
+    Column("objective", shown=[Shown("objective, best found", "best", ".5g", least=True)]),
     Column(
         "mean_index",
-        shown=(
+        shown=[
             Shown("mean index, best", "least", ".4g"),
             Shown("mean index, median", "median", ".4g"),
-        ),
+        ],
     ),
-    Column("arc_mean_index"),
-    Column("max_index"),
+    *(Column(name) for name in ("arc_mean_index", "max_index")),
     Column(
         "max_bound_violation",
-        shown=(Shown("bound violation, largest", "largest", ".2g", lambda v: v > TOLERANCE.bound),),
+        shown=[Shown("bound violation, largest", "largest", ".2g", _above(TOLERANCE.bound))],
     ),
     Column(
         "max_position_error",
-        shown=(
-            Shown(
-                "position error, largest [m]", "largest", ".1e", lambda v: v > TOLERANCE.position
-            ),
-        ),
+        shown=[Shown("position error, largest [m]", "largest", ".1e", _above(TOLERANCE.position))],
     ),
     Column(
         "max_rotation_error",
-        shown=(
-            Shown(
-                "rotation error, largest [rad]", "largest", ".1e", lambda v: v > TOLERANCE.rotation
-            ),
-        ),
+        shown=[
+            Shown("rotation error, largest [rad]", "largest", ".1e", _above(TOLERANCE.rotation))
+        ],
     ),
-    Column("min_clearance", shown=(Shown("clearance [m]", "best", ".3f", lambda v: v <= 0.0),)),
-    Column("max_joint_step", shown=(Shown("joint step", "best", ".3f"),)),
-    Column("timing.wall_s", shown=(Shown("time, median [s]", "typical", ".3g"),)),
-    Column("timing.cpu_s"),
-    Column("timing.compile_s"),
-    Column("evidence.verdict"),
-    Column("evidence.lower_bound"),
-    Column("evidence.gap"),
-    Column("evidence.missed_share_95"),
-    Column("evidence.details", kept=False, text=True),
-    Column("units", kept=False, text=True),
-    Column("extra", kept=False, text=True),
+    Column("min_clearance", shown=[Shown("clearance [m]", "best", ".3f", lambda v: v <= 0.0)]),
+    Column("max_joint_step", shown=[Shown("joint step", "best", ".3f")]),
+    Column("timing.wall_s", shown=[Shown("time, median [s]", "typical", ".3g")]),
+    *(Column(f"timing.{name}") for name in ("cpu_s", "compile_s")),
+    *(Column(f"evidence.{name}") for name in ("verdict", "lower_bound", "gap", "missed_share_95")),
     Column("run_s", answer=lambda answered: answered.seconds),
-    Column(
-        "started",
-        answer=lambda answered: answered.started.isoformat(timespec="milliseconds"),
-        kept=False,
-    ),
-    Column("machine", answer=lambda answered: machine(), kept=False),
-    Column("machine.host"),
-    Column("machine.system"),
-    Column("machine.processor"),
-    Column("machine.cores"),
+    Column("started", answer=lambda done: done.started.isoformat("T", "milliseconds"), kept=False),
     Column("index_name", answer=lambda answered: answered.task.index.name),
     Column("index_units", answer=lambda answered: answered.task.index.units),
     Column("smoothness", answer=lambda answered: answered.task.smoothness),
+    Column("machine", answer=lambda answered: machine(), kept=False),
+    *(Column(f"machine.{name}") for name in ("host", "system", "processor", "cores")),
+    *(
+        Column(name, kept=False, text=True)
+        for name in ("inputs.robots", "evidence.details", "units", "extra")
+    ),
 )
 
 
