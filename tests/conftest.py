@@ -6,9 +6,8 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import paper_case
 import pytest
-
-from dualarm_pin.files.resources import urdf_folder
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
@@ -29,29 +28,21 @@ INSTALL = {
 
 
 @pytest.fixture(scope="session")
-def paper_file() -> Path:
-    """The task file of the paper."""
-    return urdf_folder() / "tasks" / "paper_corner.yaml"
+def task() -> Task:
+    """The paper's task: 31 points of a corner, lambda 3. Loaded once a process."""
+    return paper_case.task()
 
 
 @pytest.fixture(scope="session")
-def paper_task(paper_file: Path) -> Task:
-    """The paper's task, loaded once a process: 31 points of a corner, lambda 3."""
-    from dualarm_pin.task import Task
-
-    return Task.load(paper_file)
-
-
-@pytest.fixture(scope="session")
-def paper_cell(paper_task: Task) -> Cell:
+def cell() -> Cell:
     """The paper's two NS16."""
-    return paper_task.cell
+    return paper_case.task().cell
 
 
 @pytest.fixture(scope="session")
-def paper_problem(paper_task: Task) -> Problem:
+def problem() -> Problem:
     """The paper's programme over all 31 points."""
-    return paper_task.problem()
+    return paper_case.problem()
 
 
 def no_skip_in_ci(report: pytest.TestReport | pytest.CollectReport) -> None:

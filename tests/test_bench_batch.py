@@ -15,16 +15,15 @@ import pytest
 pytest.importorskip("distributed")
 pq = pytest.importorskip("pyarrow.parquet")
 
-from patience import LONG, wait_until  # noqa: E402
+from paper_case import TASK
+from patience import LONG, wait_until
 
-from dualarm_pin.answer.folder import load_trajectory  # noqa: E402
-from dualarm_pin.bench.batch import run_suite  # noqa: E402
-from dualarm_pin.bench.suite import Suite  # noqa: E402
-from dualarm_pin.bench.work.one_run import perform  # noqa: E402
-from dualarm_pin.errors import InputError, MissingExtraError  # noqa: E402
-from dualarm_pin.files.resources import urdf_folder  # noqa: E402
+from dualarm_pin.answer.folder import load_trajectory
+from dualarm_pin.bench.batch import run_suite
+from dualarm_pin.bench.suite import Suite
+from dualarm_pin.bench.work.one_run import perform
+from dualarm_pin.errors import InputError, MissingExtraError
 
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
 TIMES = ("started", "run_s", "timing.wall_s", "timing.cpu_s", "extra", "clearance")
 
 

@@ -9,15 +9,17 @@ import pytest
 
 pq = pytest.importorskip("pyarrow.parquet")
 
-from dualarm_pin.bench import columns  # noqa: E402
-from dualarm_pin.bench.columns import Column, Shown  # noqa: E402
-from dualarm_pin.bench.gates import read_gate  # noqa: E402
-from dualarm_pin.bench.log.table import write_tables  # noqa: E402
-from dualarm_pin.bench.report import statistics as stats  # noqa: E402
-from dualarm_pin.bench.report.html_tables import problem_table  # noqa: E402
-from dualarm_pin.bench.suite import Suite  # noqa: E402
-from dualarm_pin.bench.work.one_run import perform  # noqa: E402
-from dualarm_pin.files.suite_spec import GateEntry  # noqa: E402
+from paper_case import TASK
+
+from dualarm_pin.bench import columns
+from dualarm_pin.bench.columns import Column, Shown
+from dualarm_pin.bench.gates import read_gate
+from dualarm_pin.bench.log.table import write_tables
+from dualarm_pin.bench.report import statistics as stats
+from dualarm_pin.bench.report.html_tables import problem_table
+from dualarm_pin.bench.suite import Suite
+from dualarm_pin.bench.work.one_run import perform
+from dualarm_pin.files.suite_spec import GateEntry
 
 
 def joint_travel(answered):
@@ -25,10 +27,10 @@ def joint_travel(answered):
 
 
 @pytest.fixture
-def suite(tmp_path, paper_file):
+def suite(tmp_path):
     methods = [{"call": "bench_fakes:quick", "name": "a"}, {"call": "bench_fakes:fail"}]
     file = tmp_path / "suite.yaml"
-    file.write_text(json.dumps({"tasks": [str(paper_file)], "methods": methods, "seeds": 2}))
+    file.write_text(json.dumps({"tasks": [str(TASK)], "methods": methods, "seeds": 2}))
     return Suite.load(file)
 
 

@@ -10,6 +10,8 @@ import pytest
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 
+from paper_case import TASK
+
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.report import statistics as stats
 from dualarm_pin.bench.report.charts import map_chart, profile_chart
@@ -19,7 +21,6 @@ from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.suite_spec import MapEntry
 
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
 NASTY = "<script>alert(1)</script> & \"x\" 'y' {{data}}"
 
 

@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from paper_case import TASK
 
 from dualarm_pin import __version__
 from dualarm_pin.bench.fingerprints import Fingerprints
@@ -13,8 +14,6 @@ from dualarm_pin.bench.run import BenchRun, Method
 from dualarm_pin.bench.work.one_run import perform
 from dualarm_pin.bench.work.runner import Runner
 from dualarm_pin.files.resources import urdf_folder
-
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
 
 
 def a_run(name, seed=0, time_limit=60.0, **options):

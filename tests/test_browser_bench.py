@@ -9,10 +9,11 @@ from browser import opened
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 
+from paper_case import TASK
+
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.report.page import write_report
 from dualarm_pin.bench.suite import Suite
-from dualarm_pin.files.resources import urdf_folder
 
 pytestmark = pytest.mark.browser
 NASTY = '<img src="http://evil.example/x.png">'
@@ -21,8 +22,7 @@ NASTY = '<img src="http://evil.example/x.png">'
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
-    task = urdf_folder() / "tasks" / "paper_corner.yaml"
-    tasks = [{"file": str(task), "name": f"task {i} {NASTY}"} for i in range(3)]
+    tasks = [{"file": str(TASK), "name": f"task {i} {NASTY}"} for i in range(3)]
     for i, entry in enumerate(tasks):
         entry["overrides"] = {"grid": {"smoothness": [i + 1.0]}}
     suite = {

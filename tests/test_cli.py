@@ -11,11 +11,7 @@ import time
 from pathlib import Path
 
 import pytest
-
-from dualarm_pin.files.resources import urdf_folder
-
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
-CELL = urdf_folder() / "cells" / "ns16_pair.yaml"
+from paper_case import CELL, TASK
 
 
 def run(*arguments: object, cwd: Path, timeout: float = 180) -> subprocess.CompletedProcess[str]:

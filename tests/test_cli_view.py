@@ -8,7 +8,7 @@ import sys
 import urllib.request
 
 import pytest
-from answers import answers, task
+from answers import answers
 
 from dualarm_pin.answer.folder import labels, save_result
 

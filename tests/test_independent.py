@@ -13,13 +13,13 @@ from pathlib import Path
 import numpy as np
 import pinocchio as pin
 import pytest
+from dualarm_pin.solvers.solution import Solution
 from numpy.typing import NDArray
 
 from dualarm_pin.cell import Cell
 from dualarm_pin.problem import Problem
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers import slsqp
-from dualarm_pin.solvers.solution import Solution
 
 Array = NDArray[np.float64]
 CASES = json.loads((Path(__file__).parent / "data" / "ns16_reference.json").read_text())["cases"]
@@ -65,21 +65,21 @@ def reachable(problem: Problem, seed: int) -> tuple[Problem, Array, Array]:
 
 
 @pytest.mark.parametrize("case", CASES[:10])
-def test_index_of_another_implementation(paper_cell: Cell, paper_problem: Problem, case) -> None:  # type: ignore[no-untyped-def]
+def test_index_of_another_implementation(cell: Cell, problem: Problem, case) -> None:  # type: ignore[no-untyped-def]
     q = np.array(case["q"])
-    T = pose(paper_cell, q)
+    T = pose(cell, q)
     np.testing.assert_allclose(T.translation, case["position"], atol=1e-9)
     np.testing.assert_allclose(T.rotation, case["rotation"], atol=1e-9)
-    np.testing.assert_allclose(jacobian(paper_cell, q), case["J_r"], atol=1e-8)
+    np.testing.assert_allclose(jacobian(cell, q), case["J_r"], atol=1e-8)
     u = np.r_[case["u"], np.zeros(3)]
-    alone = replace(paper_problem.subset([0], 0.0), u=u[None])
+    alone = replace(problem.subset([0], 0.0), u=u[None])
     assert alone.objective(q[None]) == pytest.approx(case["c"], rel=1e-9)
 
 
-def test_a_start_with_a_reachable_path_converges_to_what_is_true(paper_problem: Problem) -> None:
+def test_a_start_with_a_reachable_path_converges_to_what_is_true(problem: Problem) -> None:
     converged = 0
     for seed in range(10):
-        part, start, known = reachable(paper_problem, seed)
+        part, start, known = reachable(problem, seed)
         end = engine.solve(part, start)
         wanted = objective(part.cell, end.q, part.u, part.link_weight)
         assert end.objective == pytest.approx(wanted, rel=1e-8)
@@ -136,32 +136,32 @@ unproven = pytest.mark.xfail(strict=True, reason="the engine may end at its iter
     ids=str,
 )
 def test_an_unreachable_path_is_infeasible_from_every_start(
-    paper_problem: Problem, shift: list[float]
+    problem: Problem, shift: list[float]
 ) -> None:
-    position = paper_problem.position + shift
-    assert ends_of_unreachable(paper_problem, position) == {"infeasible"}
+    position = problem.position + shift
+    assert ends_of_unreachable(problem, position) == {"infeasible"}
 
 
 @unproven
-def test_one_unreachable_point_makes_the_path_infeasible(paper_problem: Problem) -> None:
-    position = paper_problem.position.copy()
+def test_one_unreachable_point_makes_the_path_infeasible(problem: Problem) -> None:
+    position = problem.position.copy()
     position[17, 2] += 5.0
-    assert ends_of_unreachable(paper_problem, position) == {"infeasible"}
+    assert ends_of_unreachable(problem, position) == {"infeasible"}
 
 
-def test_a_singular_start_ends_at_a_minimum(paper_problem: Problem) -> None:
+def test_a_singular_start_ends_at_a_minimum(problem: Problem) -> None:
     """All joints at zero is singular; points that coincide are points like others."""
-    part = paper_problem.subset([0, 0, 0, 1, 1, 30], 3.0)
+    part = problem.subset([0, 0, 0, 1, 1, 30], 3.0)
     end = engine.solve(part, np.zeros((6, 12)))
     assert end.converged
     assert end.objective == pytest.approx(objective(part.cell, end.q, part.u, part.link_weight))
     assert_on_path_and_stationary(part, end)
 
 
-def test_nlopt_ends_at_what_is_true(paper_problem: Problem) -> None:
+def test_nlopt_ends_at_what_is_true(problem: Problem) -> None:
     found = 0
     for seed in range(5):
-        part, start, _ = reachable(paper_problem, seed)
+        part, start, _ = reachable(problem, seed)
         end = slsqp.solve(part, start)
         wanted = objective(part.cell, end.q, part.u, part.link_weight)
         assert end.objective == pytest.approx(wanted, rel=1e-8)

@@ -6,11 +6,11 @@ import os
 import time
 
 import numpy as np
+import paper_case
 import pytest
 
 from dualarm_pin.errors import WorkerError
 from dualarm_pin.evidence.laws import count_laws
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import coupling
 from dualarm_pin.search.anchored import AnchoredLaw, anchor_points
@@ -19,13 +19,11 @@ from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.search.whole_path import WholePathLaw
 from dualarm_pin.search.workers import Workers
 from dualarm_pin.solution import Solutions, same_path
-from dualarm_pin.task import Task
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    whole = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
-    return whole.subset(range(0, 31, 5), 3.0)
+    return paper_case.problem().subset(range(0, 31, 5), 3.0)
 
 
 def test_starts_lie_within_bounds_and_depend_on_the_seed_alone() -> None:
@@ -91,8 +89,8 @@ def test_a_later_seed_in_a_refined_coarse_basin_has_its_path(problem: Problem) -
     assert joined >= 3
 
 
-def test_the_coarse_path_stands_for_the_whole(problem: Problem) -> None:
-    whole = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
+def test_the_coarse_path_stands_for_the_whole() -> None:
+    whole = paper_case.problem()
     coarse = coarse_of(whole)
     assert coarse.points[0] == 0
     assert coarse.points[-1] == 30

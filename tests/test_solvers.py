@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, objective_and_gradient, violation
 from dualarm_pin.relative import Relative
@@ -16,15 +15,9 @@ from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.projection import project, project_point
 from dualarm_pin.solvers.slsqp import SlsqpOptions
-from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
 SOLVERS = {"nlopt": nlopt_slsqp.solve, "engine": engine.solve}
-
-
-@pytest.fixture(scope="module")
-def problem() -> Problem:
-    return Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
 
 
 @pytest.fixture(scope="module")
