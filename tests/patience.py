@@ -2,7 +2,7 @@
 
 import time
 
-LONG = 300.0  # seconds; only what hangs for good takes so long
+LONG = 900.0  # seconds; only what hangs for good takes so long
 
 
 def wait_until(happened, what):
