@@ -40,8 +40,8 @@ class Relative:
     Attributes:
         cell: The two arms.
         q: Joints (n,), a copy.
-        T_e1_e2: Pose of e2 in e1 (`pin.SE3`).
-        J_r: Relative Jacobian (6, n), eq. (11).
+        T_e1_e2: Pose of e2 in e1 (`pin.SE3`) (eq. 10).
+        J_r: Relative Jacobian (6, n) (eq. 11).
 
     Raises:
         ShapeError: q does not have n values.

@@ -75,7 +75,7 @@ class IndexSpec(Spec):
 
 
 class SmoothnessSpec(Spec):
-    """lambda of (19), how joints count in a step, and whether lambda follows the arc length."""
+    """lambda of (eq. 19), how joints count in a step, and whether lambda follows the arc length."""
 
     weight: Weight = 3.0
     metric: Literal["equal", "velocity"] | list[Weight] = "equal"

@@ -128,7 +128,7 @@ def plan_global(
 
 
 def polish(task: Task, q: Array, *, seed: int | None = None) -> Trajectory:
-    """Minimise (19) over all points from joints q (h, n); never worse than q.
+    """Minimise (eq. 19) over all points from joints q (h, n); never worse than q.
 
     Returns:
         The minimum of the basin of q, or q itself if the solver did not do better.
