@@ -6,7 +6,6 @@ import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-import paper_case
 import pytest
 
 if TYPE_CHECKING:
@@ -30,18 +29,24 @@ INSTALL = {
 @pytest.fixture(scope="session")
 def task() -> Task:
     """The paper's task: 31 points of a corner, lambda 3. Loaded once a process."""
+    import paper_case
+
     return paper_case.task()
 
 
 @pytest.fixture(scope="session")
 def cell() -> Cell:
     """The paper's two NS16."""
+    import paper_case
+
     return paper_case.task().cell
 
 
 @pytest.fixture(scope="session")
 def problem() -> Problem:
     """The paper's programme over all 31 points."""
+    import paper_case
+
     return paper_case.problem()
 
 
