@@ -12,8 +12,9 @@ INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
 paper: $(VENV)/.core
 	$(BIN)/dualarm-pin paper --out $(OUT)
 
+# On all processors; the tests of a module stay together, since they share its fixtures.
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest
+	$(BIN)/python -m pytest -n auto --dist loadscope
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

@@ -25,7 +25,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.bench.batch import Batch, run_suite
+from dualarm_pin.bench.batch import BatchResult, run_suite
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.progress import Progress
@@ -114,7 +114,7 @@ def suite(folder: Path, runs: int, busy: float) -> Path:
     return file
 
 
-def timed(folder: Path, runs: int, busy: float, jobs: int) -> tuple[float, float, Batch]:
+def timed(folder: Path, runs: int, busy: float, jobs: int) -> tuple[float, float, BatchResult]:
     """Return seconds to start the workers, seconds of all runs, and the batch."""
     asked = Suite.load(suite(folder, runs, busy), allow_code=True)
     clock = Clock()

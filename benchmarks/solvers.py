@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.answer.provenance import versions
-from dualarm_pin.bench.work.one_run import machine
+from dualarm_pin.bench.columns import machine
 from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text

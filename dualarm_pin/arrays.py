@@ -16,7 +16,7 @@ from dualarm_pin.tolerance import TOLERANCE
 Array: TypeAlias = NDArray[np.float64]
 Integers: TypeAlias = NDArray[np.int64]
 
-_NO_LENGTH = 1e-12
+_NO_LENGTH = 1e-12  # a direction shorter than this is rounding left of a zero
 
 
 def numbers(value: ArrayLike, field: str) -> Array:

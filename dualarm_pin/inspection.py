@@ -17,8 +17,9 @@ from dualarm_pin.files.write import write_bytes
 from dualarm_pin.planners.unreachable import feasible_postures
 from dualarm_pin.search.starts import generator
 from dualarm_pin.task import Task
+from dualarm_pin.tolerance import TOLERANCE
 
-_TRIES = 20
+_TRIES = 20  # random postures; a reachable point is met from most of them
 
 
 @dataclass(frozen=True)
@@ -91,7 +92,9 @@ def _facts(task: Task) -> dict[str, Any]:
         "smoothness": task.smoothness,
         "Gamma": [point + 1 for point in task.Gamma],
         "first_point_error": residual,
-        "first_point": "reached" if residual < 1e-6 else "not reached by random postures",
+        "first_point": "reached"
+        if residual < TOLERANCE.position
+        else "not reached by random postures",
     }
 
 

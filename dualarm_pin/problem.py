@@ -2,8 +2,9 @@
 
     min  sum_i a_i c(q_i) + theta_i . q_i + sum_i lambda_i (dq_i^T diag(m_i) dq_i)^2
     s.t. the pose rows of every point (eq. 17), further rows g >= 0 or g = 0,
-         lower <= q_i <= upper
+         lower <= q_i <= upper (eq. 16)
 
+The first sum is the index over the points (eq. 15), the last the fourth powers of steps (eq. 18),
 with dq_i = q_{i+1} - q_i over the free points and, where they are given, over the links to the
 fixed neighbours before the first and after the last point: none for (eq. 19), both for (eq. 20).
 

@@ -9,12 +9,14 @@ from __future__ import annotations
 
 import weakref
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
-from dualarm_pin.cell import Cell
+if TYPE_CHECKING:
+    from dualarm_pin.cell import Cell
 
 Array = NDArray[np.float64]
 
@@ -38,8 +40,8 @@ class Relative:
     Attributes:
         cell: The two arms.
         q: Joints (n,), a copy.
-        T_e1_e2: Pose of e2 in e1 (`pin.SE3`).
-        J_r: Relative Jacobian (6, n), eq. (11).
+        T_e1_e2: Pose of e2 in e1 (`pin.SE3`) (eq. 10).
+        J_r: Relative Jacobian (6, n) (eq. 11).
 
     Raises:
         ShapeError: q does not have n values.

@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 from ns16_pair import motions
+from paper_case import task
 
 from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck
 from dualarm_pin.answer.notes import GlobalNotes
 from dualarm_pin.answer.provenance import Timing
 from dualarm_pin.answer.trajectory import Distances, Trajectory
 from dualarm_pin.answer.verify import verified
-from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.task import Task
 
 LOCAL = LocalCheck(
     objective=12.7308877,
@@ -42,11 +41,6 @@ EVIDENCE = Evidence(
     bound=BOUND,
     sentences="Best of\n 9 starts.",
 )
-
-
-@cache
-def task() -> Task:
-    return Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
 
 
 @cache

@@ -10,6 +10,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from patience import LONG
 
 CHROMIUM = os.environ.get("DUALARM_PIN_CHROMIUM") or next(
     filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None
@@ -63,6 +64,7 @@ def chromium():
 def opened(url, width=1000, height=700, **options):
     """Open a page and wait until its first picture is there."""
     page = chromium().new_page(viewport={"width": width, "height": height}, **options)
+    page.set_default_timeout(1000 * LONG)
     try:
         view = Opened(page)
         page.goto(url)

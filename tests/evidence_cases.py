@@ -6,20 +6,14 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
+from paper_case import problem as whole
 
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures
 from dualarm_pin.solution import Minima, distinct
 from dualarm_pin.solvers import interior_point as engine
-from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
-
-
-@cache
-def whole() -> Problem:
-    return Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
 
 
 @cache

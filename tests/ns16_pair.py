@@ -5,16 +5,15 @@ import pathlib
 from functools import cache
 
 import numpy as np
+from paper_case import task
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.path import Path
 from dualarm_pin.relative import Relative
 
 
-@cache
 def pair() -> Cell:
-    return Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml")
+    return task().cell
 
 
 def corner(side=0.15, radius=0.01, counts=(13, 5, 13)) -> Path:

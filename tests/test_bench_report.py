@@ -2,25 +2,25 @@
 
 import json
 import math
-import os
 import re
 from html.parser import HTMLParser
-from pathlib import Path
 
 import pytest
 
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 
+from paper_case import TASK
+
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.report import statistics as stats
 from dualarm_pin.bench.report.charts import map_chart, profile_chart
-from dualarm_pin.bench.report.page import _order, write_report
+from dualarm_pin.bench.report.html_tables import problem_table
+from dualarm_pin.bench.report.page import _maps, _order, write_report
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.files.suite_spec import MapEntry
 
-HERE = Path(__file__).parent
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
 NASTY = "<script>alert(1)</script> & \"x\" 'y' {{data}}"
 
 
@@ -58,10 +58,27 @@ def test_a_summary_takes_the_best_of_those_found_and_the_worst_violation_of_all(
     ]
     (summary,) = stats.summaries(rows)["t", ""]
     assert (summary.found, summary.runs) == (2, 4)
-    assert summary.objective == 1.0 and summary.clearance == -0.1
-    assert summary.mean_index == 0.5 and summary.median_index == 0.55
-    assert summary.bound_violation == 0.3
+    assert summary.figures["objective, best found"] == 1.0
+    assert summary.figures["clearance [m]"] == -0.1
+    assert summary.figures["mean index, best"] == 0.5
+    assert summary.figures["mean index, median"] == 0.55
+    assert summary.figures["bound violation, largest"] == 0.3
     assert summary.statuses == {"ok": 3, "crashed": 1}
+
+
+def test_an_objective_of_zero_or_below_can_be_the_best():
+    rows = [row("a", 0, objective=0.0, min_clearance=0.1), row("a", 1, objective=1.0)]
+    (summary,) = stats.summaries(rows)["t", ""]
+    assert summary.figures["objective, best found"] == 0.0
+    assert summary.figures["clearance [m]"] == 0.1
+    groups = stats.summaries([row("a", objective=-2.0), row("b", objective=-1.0)])["t", ""]
+    assert re.findall(r'<td class="best">(.*?)</td>', problem_table(groups)) == ["-2"]
+
+
+def test_a_map_crosses_contact_at_exactly_zero():
+    touching = row("a", min_clearance=0.0) | {"set": {"smoothness": 1.0, "radius": 1.0}}
+    chart = MapEntry(x="smoothness", y="radius")
+    assert _maps([chart], [touching]).count('class="cross"') == 2
 
 
 def test_shifted_geometric_mean():
@@ -129,8 +146,6 @@ class Page(HTMLParser):
 @pytest.fixture(scope="module")
 def batch(tmp_path_factory):
     folder = tmp_path_factory.mktemp("report")
-    before = os.environ.get("PYTHONPATH")
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (str(HERE), before)))
     task, cell = folder / "task <b>.yaml", urdf_folder() / "cells"
     task.write_text(TASK.read_text().replace("../cells", str(cell)))
     methods = [
@@ -152,10 +167,6 @@ def batch(tmp_path_factory):
     loaded = Suite.load(file, allow_code=True)
     batch = run_suite(loaded, folder / "out", jobs=1)
     write_report(loaded, batch, "dualarm-pin bench 'suite.yaml' --out out")
-    if before is None:
-        del os.environ["PYTHONPATH"]
-    else:
-        os.environ["PYTHONPATH"] = before
     return batch
 
 

@@ -7,8 +7,9 @@ import sys
 
 import pytest
 
+from dualarm_pin.bench.columns import flatten
 from dualarm_pin.bench.log.rows import RowLog
-from dualarm_pin.bench.log.table import flatten, write_tables
+from dualarm_pin.bench.log.table import write_tables
 from dualarm_pin.errors import InputError
 
 

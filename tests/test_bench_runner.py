@@ -3,23 +3,21 @@
 import dataclasses
 import os
 import sys
-import time
 from pathlib import Path
 
 import pytest
+from paper_case import TASK
 
 from dualarm_pin import __version__
 from dualarm_pin.bench.fingerprints import Fingerprints
-from dualarm_pin.bench.run import Method, Run
+from dualarm_pin.bench.run import BenchRun, Method
 from dualarm_pin.bench.work.one_run import perform
 from dualarm_pin.bench.work.runner import Runner
 from dualarm_pin.files.resources import urdf_folder
 
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
-
 
 def a_run(name, seed=0, time_limit=60.0, **options):
-    return Run(
+    return BenchRun(
         task="corner",
         file=str(TASK),
         overrides={},
@@ -33,20 +31,12 @@ def a_run(name, seed=0, time_limit=60.0, **options):
 
 @pytest.fixture(scope="module")
 def runner():
-    before = os.environ.get("PYTHONPATH")
-    here = str(Path(__file__).parent)
-    os.environ["PYTHONPATH"] = os.pathsep.join(filter(None, (here, before)))
     runner = Runner()
     yield runner
     runner.close()
-    if before is None:
-        del os.environ["PYTHONPATH"]
-    else:
-        os.environ["PYTHONPATH"] = before
 
 
-def test_runs_share_one_process_and_equal_a_run_done_here(runner, monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parent)
+def test_runs_share_one_process_and_equal_a_run_done_here(runner):
     first, second = (runner.run(a_run("quick", seed=s), True) for s in (1, 2))
     assert first.status == second.status == "ok"
     assert first.figures["extra"]["pid"] == second.figures["extra"]["pid"] != os.getpid()
@@ -59,11 +49,9 @@ def test_runs_share_one_process_and_equal_a_run_done_here(runner, monkeypatch):
 
 def test_a_run_that_hangs_in_compiled_code_is_killed_at_its_limit(runner):
     runner.run(a_run("quick"), False)  # the limit does not count the start of the process
-    begun = time.monotonic()
     outcome = runner.run(a_run("hang_in_compiled_code", time_limit=0.5), False)
     assert outcome.status == "timed_out"
     assert outcome.reason == "the run took longer than 0.5 s"
-    assert time.monotonic() - begun < 10.0
     assert runner.run(a_run("quick"), False).status == "ok"
 
 
@@ -97,14 +85,12 @@ def test_a_run_that_raises_says_why_in_one_line(runner):
         ({"method": Method("x", None, "bench_fakes:no_trajectory")}, "a Trajectory is expected"),
     ],
 )
-def test_what_cannot_be_run_fails_with_its_reason(change, reason, monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parent)
+def test_what_cannot_be_run_fails_with_its_reason(change, reason):
     outcome = perform(dataclasses.replace(a_run("quick"), **change))
     assert outcome.status == "failed" and reason in outcome.reason
 
 
-def test_a_file_that_changed_since_the_batch_began_is_refused(tmp_path, monkeypatch):
-    monkeypatch.syspath_prepend(Path(__file__).parent)
+def test_a_file_that_changed_since_the_batch_began_is_refused(tmp_path):
     task = tmp_path / "task.yaml"
     task.write_text(TASK.read_text().replace("../cells", str(urdf_folder() / "cells")))
     run = dataclasses.replace(a_run("quick"), file=str(task), inputs=Fingerprints().read(task, ()))

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 import pytest
+from paper_case import TASK
 
 from dualarm_pin.bench.gates import read_gate
 from dualarm_pin.bench.run import variant_name
@@ -10,8 +11,6 @@ from dualarm_pin.bench.suite import Suite
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.suite_spec import GateEntry, StepsSpec
-
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
 
 
 def suite(folder: Path, text: str) -> Suite:

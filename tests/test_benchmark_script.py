@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from patience import LONG
 
 FOLDER = Path(__file__).resolve().parents[1] / "benchmarks"
 BASELINE = json.loads((FOLDER / "baseline.json").read_text())
@@ -60,7 +61,7 @@ def test_the_baseline_was_measured(script):
 @pytest.mark.slow
 def test_the_script_runs_and_draws(tmp_path):
     command = [sys.executable, str(FOLDER / "solvers.py"), "--starts", "1", "--out", str(tmp_path)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=600, check=False)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LONG, check=False)
     assert done.returncode in (0, 1), done.stderr
     assert "engine is faster" in done.stdout
     assert (tmp_path / "solvers.svg").read_text().count("<svg") == 1

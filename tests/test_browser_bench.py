@@ -1,9 +1,7 @@
 """The report of a batch in a real browser: one drawing, a selector, no network."""
 
 import json
-import os
 import shutil
-from pathlib import Path
 
 import pytest
 from browser import opened
@@ -11,10 +9,11 @@ from browser import opened
 pytest.importorskip("distributed")
 pytest.importorskip("pyarrow")
 
+from paper_case import TASK
+
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.report.page import write_report
 from dualarm_pin.bench.suite import Suite
-from dualarm_pin.files.resources import urdf_folder
 
 pytestmark = pytest.mark.browser
 NASTY = '<img src="http://evil.example/x.png">'
@@ -23,12 +22,7 @@ NASTY = '<img src="http://evil.example/x.png">'
 @pytest.fixture(scope="module")
 def file(tmp_path_factory):
     folder = tmp_path_factory.mktemp("bench")
-    before = dict(os.environ)
-    os.environ["PYTHONPATH"] = os.pathsep.join(
-        filter(None, (str(Path(__file__).parent), before.get("PYTHONPATH")))
-    )
-    task = urdf_folder() / "tasks" / "paper_corner.yaml"
-    tasks = [{"file": str(task), "name": f"task {i} {NASTY}"} for i in range(3)]
+    tasks = [{"file": str(TASK), "name": f"task {i} {NASTY}"} for i in range(3)]
     for i, entry in enumerate(tasks):
         entry["overrides"] = {"grid": {"smoothness": [i + 1.0]}}
     suite = {
@@ -38,11 +32,7 @@ def file(tmp_path_factory):
     }
     (folder / "suite.yaml").write_text(json.dumps(suite))
     loaded = Suite.load(folder / "suite.yaml", allow_code=True)
-    try:
-        batch = run_suite(loaded, folder / "out", jobs=1)
-    finally:
-        os.environ.clear()
-        os.environ.update(before)
+    batch = run_suite(loaded, folder / "out", jobs=1)
     write_report(loaded, batch, "dualarm-pin bench suite.yaml")
     page = folder / "moved" / "report.html"
     page.parent.mkdir()

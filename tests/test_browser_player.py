@@ -6,6 +6,7 @@ import pytest
 from answers import answer, answers, task
 from browser import chromium, opened
 from ns16_pair import motions, pair
+from patience import wait_until
 
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.cell import Cell
@@ -134,7 +135,7 @@ def test_scrubber_buttons_and_keys(view):
     view.do("dualarm.speed(4); dualarm.seek(0)")
     page.locator(".play").click()
     assert page.locator(".play").get_attribute("aria-label") == "Pause"
-    page.wait_for_timeout(1000)
+    wait_until(lambda: view.do("dualarm.time()") > 0, "playing")
     view.do("dualarm.pause()")
     assert view.do("dualarm.time()") > 0
     strip = page.locator(".strip").bounding_box()

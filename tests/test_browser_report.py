@@ -8,6 +8,7 @@ import pytest
 from answers import changed, task
 from browser import opened
 from ns16_pair import motions, pair
+from patience import wait_until
 from test_report import results
 
 from dualarm_pin.show import write_report
@@ -92,7 +93,7 @@ def test_click_on_a_plot_moves_the_robots(view):
 
 def test_playing_moves_robots_and_cursors_together(view):
     view.do("dualarm.speed(4); dualarm.seek(0); dualarm.play()")
-    view.page.wait_for_timeout(800)
+    wait_until(lambda: view.do("dualarm.time()") > 0, "playing")
     view.do("dualarm.pause()")
     t = view.do("dualarm.time()")
     assert t > 0

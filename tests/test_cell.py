@@ -16,11 +16,6 @@ NS16 = urdf_folder() / "ns16" / "ns16.urdf"
 FACING = pin.SE3(np.diag([-1.0, -1.0, 1.0]), np.array([2.5, 0.0, 0.0]))
 
 
-@pytest.fixture(scope="module")
-def cell() -> Cell:
-    return Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml")
-
-
 def test_columns_run_from_base_to_tip_of_each_arm(cell: Cell) -> None:
     names = [f"{arm}/joint_{k}" for arm in ("arm1", "arm2") for k in range(1, 7)]
     assert cell.joint_names == tuple(names)

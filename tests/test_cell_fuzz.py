@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from patience import LONG
 from test_bad_robots import SOUND, pair
 from test_cell_files import TORSO
 
@@ -160,7 +161,7 @@ def test_extreme_text_ends_in_time_with_our_own_error_or_none(case: str, tmp_pat
         [sys.executable, "-c", code, str(file)],
         capture_output=True,
         text=True,
-        timeout=60,
+        timeout=LONG,
         check=False,
     )
     assert done.returncode == 0, done.stderr[-2000:]

@@ -12,12 +12,11 @@ from dualarm_pin.cell import Cell
 from dualarm_pin.cell.describe import describe
 from dualarm_pin.cell.report import CellReport
 from dualarm_pin.cell.report_text import text_of
-from dualarm_pin.files.resources import urdf_folder
 
 
 @pytest.fixture(scope="module")
-def report() -> CellReport:
-    return describe(Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml"))
+def report(cell: Cell) -> CellReport:
+    return describe(cell)
 
 
 def test_the_report_holds_arms_joints_rank_and_pairs(report: CellReport) -> None:
@@ -32,8 +31,7 @@ def test_the_report_holds_arms_joints_rank_and_pairs(report: CellReport) -> None
     assert report.collision.pairs > 100
 
 
-def test_the_same_seed_gives_the_same_report(report: CellReport) -> None:
-    cell = Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml")
+def test_the_same_seed_gives_the_same_report(report: CellReport, cell: Cell) -> None:
     again, other = describe(cell), describe(cell, seed=1)
     assert again.ranks == report.ranks
     assert again.smallest_singular_value == report.smallest_singular_value

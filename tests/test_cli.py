@@ -7,18 +7,14 @@ import json
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
-
-from dualarm_pin.files.resources import urdf_folder
-
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
-CELL = urdf_folder() / "cells" / "ns16_pair.yaml"
+from paper_case import CELL, TASK
+from patience import LONG
 
 
-def run(*arguments: object, cwd: Path, timeout: float = 180) -> subprocess.CompletedProcess[str]:
+def run(*arguments: object, cwd: Path, timeout: float = LONG) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "dualarm_pin", *map(str, arguments)],
         cwd=cwd,
@@ -183,9 +179,9 @@ def test_ctrl_c_ends_at_once_without_a_traceback(tmp_path: Path) -> None:
          "--out", "r"],
         cwd=tmp_path, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
     )  # fmt: skip
-    time.sleep(6)
+    assert any("stage 1" in line for line in process.stderr)
     process.send_signal(signal.SIGINT)
-    _, err = process.communicate(timeout=60)
+    _, err = process.communicate(timeout=LONG)
     assert "Traceback" not in err, err
     assert process.returncode in (0, 1, 130)
     if process.returncode == 0:  # what was finished became a whole, verified path

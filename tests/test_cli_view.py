@@ -9,6 +9,7 @@ import urllib.request
 
 import pytest
 from answers import answers, task
+from patience import LONG
 
 from dualarm_pin.answer.folder import labels, save_result
 
@@ -26,7 +27,7 @@ def folders(tmp_path_factory):
 def run(*arguments):
     return subprocess.run(
         [sys.executable, "-m", "dualarm_pin", "view", *map(str, arguments)],
-        capture_output=True, text=True, timeout=120, check=False,
+        capture_output=True, text=True, timeout=LONG, check=False,
     )  # fmt: skip
 
 
@@ -54,10 +55,10 @@ def test_live_page_is_there_until_the_signal(folders):
     try:
         address = re.match(r"(http://127\.0\.0\.1:\d+/) \(Ctrl-C ends it\)", _line(program))[1]
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-        with opener.open(address, timeout=30) as answer:
+        with opener.open(address, timeout=LONG) as answer:
             assert b"<title>ns16_pair: " in answer.read()
         program.send_signal(signal.SIGTERM)
-        _, complaints = program.communicate(timeout=60)
+        _, complaints = program.communicate(timeout=LONG)
         assert (program.returncode, complaints) == (0, "")
         with pytest.raises(ProcessLookupError):
             os.killpg(program.pid, 0)

@@ -18,6 +18,7 @@ from dualarm_pin.evidence import examine
 from dualarm_pin.evidence.laws import count, laws_suffice, missed_share
 from dualarm_pin.evidence.sentences import STOPPING_RULE
 from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.search.law import Drawn
 from dualarm_pin.solution import Solutions
 
 FORBIDDEN = ("global", "certified", "optimal within", "chance of being", "guarantee", "proven")
@@ -184,7 +185,7 @@ def ends(*minimum: int, converged: int | None = None) -> Solutions:
 
 
 def test_counts_of_one_law() -> None:
-    law = count(ends(3, 1, 1, 2, 5, 1, 3, converged=6), np.full((2, 3), 0.1))
+    law = count(Drawn(7, ends(3, 1, 1, 2, 5, 1, 3, converged=6)), np.full((2, 3), 0.1))
     assert law == LawCount(
         starts=7,
         converged=6,
@@ -198,7 +199,7 @@ def test_counts_of_one_law() -> None:
 
 
 def test_counts_weigh_ends_by_the_starts_that_led_there() -> None:
-    law = count(ends(1, 2, 1), np.full((2, 3), 0.1), weight=np.array([4, 1, 2]), starts=20)
+    law = count(Drawn(20, ends(1, 2, 1), np.array([4, 1, 2])), np.full((2, 3), 0.1))
     assert (law.starts, law.converged, law.best_hits, law.singletons) == (20, 7, 6, 1)
     assert law.last_improvement is None
 
@@ -206,12 +207,12 @@ def test_counts_weigh_ends_by_the_starts_that_led_there() -> None:
 def test_a_twin_has_the_objective_but_not_the_joints_of_the_best() -> None:
     both = ends(1, 1, 2)
     both.q[1] = -both.q[1]
-    law = count(both, np.full((2, 3), 0.1))
+    law = count(Drawn(len(both), both), np.full((2, 3), 0.1))
     assert (law.minima, law.best_hits, law.twins) == (3, 1, 1)
 
 
 def test_a_law_that_found_nothing_counts_nothing() -> None:
-    law = count(ends(1, 2, converged=0), np.full((2, 3), 0.1))
+    law = count(Drawn(2, ends(1, 2, converged=0)), np.full((2, 3), 0.1))
     assert law == LawCount(2, 0, 0, 0)
     assert law.unseen_share is None
     assert law.expected_better is None

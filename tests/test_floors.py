@@ -1,69 +1,131 @@
-"""Imports run down the floors, and importing the package stays light."""
+"""Imports run down the floors and never in a circle, and importing the package stays light."""
 
 from __future__ import annotations
 
-import ast
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from import_graph import Graph, circles, import_graph
+from patience import LONG
 
 PACKAGE = Path(__file__).resolve().parents[1] / "dualarm_pin"
-FLOORS = {
-    7: {"cli", "__main__"},
-    6: {"bench", "show", "paper", "inspection"},
-    5: {"planners"},
-    4: {"search", "evidence"},
-    3: {"task", "problem", "solvers", "answer"},
-    2: {"indices", "constraints", "engine"},
-    1: {"cell", "meshes", "path", "relative", "robot"},
-    0: {"errors", "tolerance", "files", "arrays", "progress", "cpp_messages", "__init__"},
+# From the roof down. A room imports from its own floor or below it; on one floor one way only.
+FLOORS = [
+    {"cli", "__main__"},
+    {"bench", "paper", "inspection", "design"},
+    {"planners", "show", "exports"},
+    {"evidence"},
+    {"search", "answer"},
+    {"task", "solvers"},
+    {"engine"},
+    {"problem", "placement"},
+    {"reference"},
+    {"rows", "indices"},
+    {"chain", "solution"},
+    {"cell", "path"},
+    {"relative", "meshes"},
+    {"robot"},
+    {"files", "arrays"},
+    {"errors", "tolerance", "progress", "cpp_messages", "__init__"},
+]
+HEIGHT = {room: height for height, rooms in enumerate(reversed(FLOORS)) for room in rooms}
+
+
+def room_of(module: str) -> str:
+    """Return the room that a dotted module belongs to; the package itself is `__init__`."""
+    return [*module.split("."), "__init__"][1]
+
+
+def rooms_of(graph: Graph) -> Graph:
+    """Return which rooms each room imports."""
+    rooms: Graph = {}
+    for module, others in graph.items():
+        rooms.setdefault(room_of(module), set()).update(room_of(other) for other in others)
+    return {room: others - {room} for room, others in rooms.items()}
+
+
+def climbs(graph: Graph) -> list[str]:
+    """Return every import from a floor above, as a sentence."""
+    return [
+        f"{module} imports {other} from a floor above"
+        for module, others in graph.items()
+        for other in sorted(others)
+        if HEIGHT[room_of(other)] > HEIGHT[room_of(module)]
+    ]
+
+
+@pytest.fixture(scope="module")
+def graph() -> Graph:
+    return import_graph(PACKAGE)
+
+
+def test_every_room_has_a_floor(graph: Graph) -> None:
+    missing = set(rooms_of(graph)) - set(HEIGHT)
+    assert not missing, f"{missing} have no floor: give them one in this test"
+
+
+def test_a_module_imports_only_from_its_floor_or_below(graph: Graph) -> None:
+    assert climbs(graph) == []
+
+
+def test_no_modules_import_each_other_around(graph: Graph) -> None:
+    assert circles(graph) == []
+
+
+def test_no_rooms_import_each_other_around(graph: Graph) -> None:
+    assert circles(rooms_of(graph)) == []
+
+
+HOUSE = {
+    "__init__.py": "",
+    "cell/__init__.py": "from house.cell.cell import Cell",
+    "cell/cell.py": "def load():\n    from house.cell import build\n    return build",
+    "cell/build.py": "import house.cell.entry",
+    "cell/entry.py": "from .cell import Cell",
+    "answer.py": "from house.cell import Cell",
+    "path.py": (
+        "from typing import TYPE_CHECKING\n"
+        "if TYPE_CHECKING:\n    from house.task import Task\n"
+        "else:\n    import house.answer"
+    ),
+    "task.py": "import house.path",
 }
-FLOOR = {noun: floor for floor, nouns in FLOORS.items() for noun in nouns}
-MODULES = sorted(PACKAGE.rglob("*.py"))
 
 
-def noun_of(module: str) -> str:
-    """Return the noun that a dotted module belongs to."""
-    parts = module.split(".")
-    return parts[1] if len(parts) > 1 else "__init__"
+@pytest.fixture
+def house(tmp_path: Path) -> Path:
+    for name, text in HOUSE.items():
+        file = tmp_path / "house" / name
+        file.parent.mkdir(parents=True, exist_ok=True)
+        file.write_text(text)
+    return tmp_path / "house"
 
 
-def imported(file: Path) -> set[str]:
-    """Return the modules of this package that a file imports, wherever in the file."""
-    found = set()
-    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.ImportFrom) and node.module:
-            if node.module == "dualarm_pin":
-                found |= {f"dualarm_pin.{alias.name}" for alias in node.names}
-            elif node.module.startswith("dualarm_pin."):
-                found.add(node.module)
-        elif isinstance(node, ast.Import):
-            found |= {a.name for a in node.names if a.name.startswith("dualarm_pin")}
-    return found
+def test_this_test_sees_circles_through_functions_and_relative_imports(house: Path) -> None:
+    graph = import_graph(house)
+    assert circles(graph) == [["house.cell.build", "house.cell.cell", "house.cell.entry"]]
+    assert circles(rooms_of(graph)) == []
+    (house / "cell" / "entry.py").write_text("def use():\n    import house.answer")
+    graph = import_graph(house)
+    around = ["house.cell", "house.cell.build", "house.cell.cell", "house.cell.entry"]
+    assert circles(graph) == [["house.answer", *around]]
+    assert circles(rooms_of(graph)) == [["answer", "cell"]]
 
 
-@pytest.mark.parametrize("file", MODULES, ids=lambda f: str(f.relative_to(PACKAGE)))
-def test_a_module_imports_only_from_its_floor_or_below(file: Path) -> None:
-    relative = file.relative_to(PACKAGE).with_suffix("")
-    if relative.parts[0] == "urdf":
-        return
-    own = relative.parts[0]
-    assert own in FLOOR, f"{own} has no floor: give it one in this test"
-    for module in imported(file):
-        noun = noun_of(module)
-        if noun not in FLOOR:  # a name of the package itself, such as __version__
-            assert noun.startswith("__"), f"{module} has no floor"
-            continue
-        assert FLOOR[noun] <= FLOOR[own], f"{own} imports {module} from a floor above"
+def test_this_test_sees_a_climb_and_lets_type_checkers_look_up(house: Path) -> None:
+    assert climbs(import_graph(house)) == ["house.path imports house.answer from a floor above"]
+    (house / "path.py").write_text("def later():\n    from house import task")
+    assert climbs(import_graph(house)) == ["house.path imports house.task from a floor above"]
+    assert circles(import_graph(house))[-1] == ["house.path", "house.task"]
 
 
 def loaded_by(statement: str) -> set[str]:
     """Return the modules that a fresh process holds after `statement`."""
     code = f"{statement}\nimport sys\nprint(*sorted(sys.modules))"
     done = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=LONG
     )
     return set(done.stdout.split())
 

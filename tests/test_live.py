@@ -9,6 +9,7 @@ import urllib.error
 import urllib.request
 
 import pytest
+from patience import LONG
 
 from dualarm_pin.errors import InputError
 from dualarm_pin.show import serve, serving
@@ -29,7 +30,7 @@ with serving(b"x") as address:
 
 def get(address, **headers):
     request = urllib.request.Request(address, headers=headers)
-    return urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=10)
+    return urllib.request.build_opener(urllib.request.ProxyHandler({})).open(request, timeout=LONG)
 
 
 def port_of(address):
@@ -75,7 +76,7 @@ def test_signals_end_the_program_and_close_the_port(ending):
         port = port_of(program.stdout.readline())
         assert not is_free(port)
         program.send_signal(ending)
-        rest, _ = program.communicate(timeout=60)
+        rest, _ = program.communicate(timeout=LONG)
         assert rest == "ended well\n"
         assert program.returncode == 0
         assert is_free(port)

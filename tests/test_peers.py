@@ -4,10 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from paper_case import TASK
 
 from dualarm_pin import indices
 from dualarm_pin.errors import InputError, MissingExtraError
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners.methods import plan
 from dualarm_pin.reference import index_value, pose_residual
 from dualarm_pin.relative import Relative
@@ -18,7 +18,7 @@ from dualarm_pin.task import Task
 @pytest.fixture(scope="module")
 def task():
     return Task.load(
-        urdf_folder() / "tasks" / "paper_corner.yaml",
+        TASK,
         ["path.corner.points=[3, 1, 3]", "two_stage.Gamma=[1, 4, 7]"],
     )
 

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verify
 from dualarm_pin.errors import UnknownNameError
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.path.paths import corner
 from dualarm_pin.planners import plan_local, plan_two_stage, polish
 from dualarm_pin.planners.methods import plan
@@ -19,11 +18,6 @@ from dualarm_pin.planners.two_stage import _gaps
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
-
-
-@pytest.fixture(scope="module")
-def task() -> Task:
-    return Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
 
 
 @pytest.fixture(scope="module")

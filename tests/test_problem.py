@@ -10,7 +10,6 @@ import pytest
 from numpy.typing import NDArray
 
 from dualarm_pin.errors import ShapeError
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import force
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import coupling, objective_and_gradient
@@ -19,11 +18,6 @@ from dualarm_pin.rows.pose import pose_residual
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
-
-
-@pytest.fixture(scope="module")
-def task() -> Task:
-    return Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
 
 
 @pytest.fixture

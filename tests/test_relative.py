@@ -12,15 +12,9 @@ import pytest
 
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import ShapeError
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.relative import Relative
 
 REFERENCE = Path(__file__).parent / "data" / "ns16_reference.json"
-
-
-@pytest.fixture(scope="module")
-def cell() -> Cell:
-    return Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml")
 
 
 def difference(cell: Cell, q: np.ndarray, step: float = 1e-5) -> np.ndarray:

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
+import nlopt
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, objective_and_gradient, violation
 from dualarm_pin.relative import Relative
@@ -15,15 +15,9 @@ from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers import slsqp as nlopt_slsqp
 from dualarm_pin.solvers.projection import project, project_point
 from dualarm_pin.solvers.slsqp import SlsqpOptions
-from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
 SOLVERS = {"nlopt": nlopt_slsqp.solve, "engine": engine.solve}
-
-
-@pytest.fixture(scope="module")
-def problem() -> Problem:
-    return Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
 
 
 @pytest.fixture(scope="module")
@@ -95,6 +89,26 @@ def test_ctrl_c_inside_nlopt_is_not_swallowed(
     monkeypatch.setattr(nlopt_slsqp, "point_gradient", stop)
     with pytest.raises(KeyboardInterrupt):
         nlopt_slsqp.solve(problem.subset([0], 0.0), posture[None])
+
+
+def test_the_end_of_a_start_does_not_depend_on_the_clock(
+    problem: Problem, posture: Array, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A slow or busy machine ends at the same point: evaluations alone are counted."""
+    limits: list[float] = []
+
+    class Watched(nlopt.opt):
+        def set_maxtime(self, seconds: float) -> None:
+            limits.append(seconds)
+
+    monkeypatch.setattr(nlopt, "opt", Watched)
+    part = problem.subset([0, 6, 12], 1.5)
+    options = SlsqpOptions(evaluations=7)
+    solution = nlopt_slsqp.solve(part, np.tile(posture, (3, 1)), options)
+    assert limits == []
+    assert solution.iterations <= 7
+    assert solution.message == "evaluation limit"
+    assert not solution.converged
 
 
 def test_the_projection_stays_within_bounds(problem: Problem) -> None:

@@ -6,18 +6,17 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from paper_case import TASK
 
+from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import INDICES, force
 from dualarm_pin.path.paths import corner
 from dualarm_pin.task import Task
 
-TASK = urdf_folder() / "tasks" / "paper_corner.yaml"
 
-
-def test_the_paper_s_task_is_the_paper_s() -> None:
-    task = Task.load(TASK)
+def test_the_paper_s_task_is_the_paper_s(task: Task) -> None:
     assert (task.path.h, task.cell.n) == (31, 12)
     assert task.Gamma == (0, 6, 12, 18, 24, 30)
     assert (task.smoothness, task.stage_1_smoothness) == (3.0, 1.5)
@@ -96,8 +95,7 @@ def test_the_speed_limits_may_be_the_metric_if_they_are_known() -> None:
     assert task.metric[0] / task.metric[5] == pytest.approx(36)
 
 
-def test_a_task_in_python_checks_its_parts() -> None:
-    cell = Task.load(TASK).cell
+def test_a_task_in_python_checks_its_parts(cell: Cell) -> None:
     path = corner(points=(3, 1, 3), rotation=np.diag([1.0, -1.0, -1.0]))
     assert Task(cell, path).Gamma[0] == 0
     with pytest.raises(InputError, match="increasing points from 1 to 7"):

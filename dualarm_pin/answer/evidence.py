@@ -21,8 +21,6 @@ Number = Annotated[float, BeforeValidator(lambda value: nan if value is None els
 """A number that a file writes as null where it is not finite."""
 Count = Annotated[int, Field(ge=0, le=2**53)]
 CONDITION = "valid as far as no piece search missed a minimum"
-_STATIONARY = 1e-6
-_FLAT = 1e-7
 
 
 @dataclass(frozen=True)
@@ -113,19 +111,21 @@ class LocalCheck:
         """Whether the first-order conditions hold."""
         return (
             self.feasibility <= TOLERANCE.position
-            and self.stationarity <= _STATIONARY * max(1.0, abs(self.objective))
-            and (self.min_multiplier is None or self.min_multiplier >= -_STATIONARY)
+            and self.stationarity <= TOLERANCE.stationary * max(1.0, abs(self.objective))
+            and (self.min_multiplier is None or self.min_multiplier >= -TOLERANCE.stationary)
         )
 
     @property
     def minimum(self) -> bool:
         """Whether it is stationary and no free direction leads down."""
-        return self.stationary and (self.curvature_min is None or self.curvature_min >= -_FLAT)
+        return self.stationary and (
+            self.curvature_min is None or self.curvature_min >= -TOLERANCE.flat
+        )
 
     @property
     def strict(self) -> bool:
         """Whether it is a minimum and every free direction leads up."""
-        return self.minimum and (self.curvature_min is None or self.curvature_min > _FLAT)
+        return self.minimum and (self.curvature_min is None or self.curvature_min > TOLERANCE.flat)
 
     @property
     def kind(self) -> Kind:

@@ -40,7 +40,7 @@ class TwoStageNotes:
 
 @dataclass(frozen=True)
 class LocalNotes:
-    """Of the pseudo-inverse: gain k0 of (13), points where it was damped or left the path."""
+    """Of the pseudo-inverse: gain k0 of (eq. 13), points where it was damped or left the path."""
 
     k0: float
     damped_at: tuple[int, ...]

@@ -99,7 +99,7 @@ class Checked:
 
     Attributes:
         index: Index at each point (h,).
-        objective: Objective (19) over all points.
+        objective: Objective (eq. 19) over all points.
         position_error: Distance to the wanted position (h,) [m].
         rotation_error: Angle to the wanted rotation, or between tool axes with the spin free,
             or 0 where only the position is asked for (h,) [rad].
@@ -185,7 +185,7 @@ class Trajectory:
 
     @property
     def objective(self) -> float:
-        """Objective (19) over all points."""
+        """Objective (eq. 19) over all points."""
         return self.checked.objective
 
     @property

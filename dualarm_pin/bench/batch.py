@@ -9,31 +9,24 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
+from dualarm_pin.bench.columns import Row, brief
 from dualarm_pin.bench.gates import Gate
 from dualarm_pin.bench.kept_trajectories import Keeper
-from dualarm_pin.bench.log.rows import Row, RowLog
-from dualarm_pin.bench.log.table import flatten, write_tables
+from dualarm_pin.bench.log.rows import RowLog
+from dualarm_pin.bench.log.table import write_tables
 from dualarm_pin.bench.log.writer import Writer
-from dualarm_pin.bench.run import Run
+from dualarm_pin.bench.run import BenchRun
 from dualarm_pin.bench.suite import Suite
 from dualarm_pin.bench.work import cluster
-from dualarm_pin.bench.work.dispatch import Ended, spread
+from dualarm_pin.bench.work.dispatch import Ended, run_on_workers
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.progress import SILENT, Progress
 
 LOG = "rows.jsonl"
-# What the report needs of a row; the rest stays on disk, however long the batch.
-BRIEF = (
-    "key task variant set method planner seed status reason found objective mean_index "
-    "arc_mean_index max_index max_position_error max_rotation_error max_bound_violation "
-    "max_joint_step min_clearance evidence.verdict evidence.lower_bound evidence.gap "
-    "evidence.missed_share_95 timing.wall_s timing.cpu_s timing.compile_s run_s time_limit "
-    "index_name index_units smoothness machine.host machine.system machine.processor machine.cores"
-).split()
 
 
 @dataclass(frozen=True)
-class Batch:
+class BatchResult:
     """A finished batch.
 
     Attributes:
@@ -67,7 +60,7 @@ def run_suite(
     address: str | None = None,
     resume: bool = False,
     progress: Progress = SILENT,
-) -> Batch:
+) -> BatchResult:
     """Run what is missing of a suite and write its tables.
 
     In a script of your own, call it below `if __name__ == "__main__":`, since local workers are
@@ -112,13 +105,13 @@ def run_suite(
         progress.stage("writing the tables")
         read = partial(_relabelled, log, runs, list(runs))
         write_tables(folder, read)
-        rows = tuple(_brief(row) for row in read())
+        rows = tuple(brief(row) for row in read())
     gates = tuple((gate, gate.failure(rows)) for gate in suite.gates)
-    return Batch(folder, rows, done_before, gates)
+    return BatchResult(folder, rows, done_before, gates)
 
 
 def _run(
-    runs: list[Run],
+    runs: list[BenchRun],
     log: RowLog,
     keeper: Keeper,
     jobs: int | None,
@@ -136,18 +129,12 @@ def _run(
     with cluster.workers(jobs, address) as client, Writer(log, keeper, written) as writer:
         progress.stage("runs", len(runs))
         no_worker = partial(progress.line, "no worker is left: waiting for one to come")
-        for ended in spread(client, runs, keeper.keep != "none", no_worker):
+        for ended in run_on_workers(client, runs, keeper.keep != "none", no_worker):
             writer.put(ended)
 
 
-def _relabelled(log: RowLog, runs: dict[str, Run], keys: list[str]) -> Iterator[Row]:
+def _relabelled(log: RowLog, runs: dict[str, BenchRun], keys: list[str]) -> Iterator[Row]:
     """Read rows, each with the names that the suite gives its task and method today."""
     for row in log.rows(keys):
         run = runs[row["key"]]
         yield row | {"task": run.task, "method": run.method.name}
-
-
-def _brief(row: Row) -> Row:
-    flat = flatten({key: value for key, value in row.items() if key not in ("extra", "inputs")})
-    brief = {key: flat.get(key) for key in BRIEF}
-    return brief | {"set": row["set"]}

@@ -8,7 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from dualarm_pin.bench.run import Inputs, digest
+from dualarm_pin.bench.run import InputHashes, digest
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.call import calls_of, module_file, refuse_calls
@@ -28,7 +28,7 @@ class Fingerprints:
     def __init__(self) -> None:
         self._robots: dict[str, dict[Path, str]] = {}
 
-    def read(self, file: Path, changes: Sequence[str], *, allow_code: bool = False) -> Inputs:
+    def read(self, file: Path, changes: Sequence[str], *, allow_code: bool = False) -> InputHashes:
         """Check a variant of a task and return its fingerprints; none of its code is imported.
 
         Raises:
@@ -52,7 +52,7 @@ class Fingerprints:
         content = {key: plain(value) for key, value in task.data.items() if key != "cell"}
         files = {str(path): sha for path, sha in robots.items()}
         files |= {str(p.resolve()): file_digest(p.resolve()) for p in (task.path, cell.path)}
-        return Inputs(
+        return InputHashes(
             task=digest(content),
             cell=digest(_at(cell, keys)),
             robots={"/".join(path.parts[-3:]): sha for path, sha in sorted(robots.items())},

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from dualarm_pin.answer.folder import save_trajectory
-from dualarm_pin.bench.run import Outcome, Run, digest
+from dualarm_pin.bench.run import BenchRun, RunOutcome, digest
 
 Problem = tuple[str, str]
 
@@ -38,7 +38,7 @@ class Keeper:
             if row["found"] and row.get("objective") is not None:
                 self._better((row["task"], row["variant"]), row["objective"], row["key"])
 
-    def consider(self, run: Run, outcome: Outcome) -> None:
+    def consider(self, run: BenchRun, outcome: RunOutcome) -> None:
         """Write the trajectory of a run if it is one to keep.
 
         Raises:
@@ -59,7 +59,7 @@ class Keeper:
         self._best[problem] = score
         return True
 
-    def _write(self, folder: Path, outcome: Outcome) -> None:
+    def _write(self, folder: Path, outcome: RunOutcome) -> None:
         assert outcome.trajectory is not None  # asked for by the caller
         save_trajectory(folder, outcome.trajectory, outcome.task_file)
 
@@ -71,7 +71,7 @@ def best_folder(folder: Path, problem: Problem) -> Path:
     return folder / "best" / f"{_safe(task)}{mark}"
 
 
-def all_folder(folder: Path, run: Run) -> Path:
+def all_folder(folder: Path, run: BenchRun) -> Path:
     """Return where the result of a run is, with `keep: all`."""
     return folder / "runs" / f"{_safe(run.task)}-{_safe(run.method.name)}-{run.key[:10]}"
 

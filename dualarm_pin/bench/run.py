@@ -1,4 +1,4 @@
-"""Run: one method on one variant of one task with one seed, and what came of it."""
+"""BenchRun: one method on one variant of one task with one seed, and what came of it."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from dataclasses import dataclass, field
 from typing import Any, Literal
 
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.bench.columns import Row, of_run
 
 Status = Literal["ok", "not_found", "failed", "crashed", "timed_out"]
 STATUSES: tuple[Status, ...] = ("ok", "not_found", "failed", "crashed", "timed_out")
 
 
 @dataclass(frozen=True)
-class Inputs:
+class InputHashes:
     """What a variant of a task is made of.
 
     Attributes:
@@ -37,6 +38,15 @@ class Inputs:
         """One sha256 for all of it; the same in any folder and on any machine."""
         return digest([self.task, self.cell, sorted(self.robots.values())])
 
+    def record(self) -> dict[str, Any]:
+        """Return what a row says of it."""
+        return {
+            "digest": self.digest,
+            "task": self.task,
+            "cell": self.cell,
+            "robots": dict(self.robots),
+        }
+
 
 @dataclass(frozen=True)
 class Method:
@@ -56,7 +66,7 @@ class Method:
 
 
 @dataclass(frozen=True)
-class Run:
+class BenchRun:
     """Everything that defines one run.
 
     Attributes:
@@ -74,7 +84,7 @@ class Run:
     task: str
     file: str
     overrides: Mapping[str, Any]
-    inputs: Inputs
+    inputs: InputHashes
     method: Method
     seed: int
     time_limit: float
@@ -107,29 +117,9 @@ class Run:
         """Task and variant: runs with the same one can be compared."""
         return self.task, variant_name(self.overrides)
 
-    def identity(self) -> dict[str, Any]:
-        """Return the columns that say which run a row is about."""
-        return {
-            "key": self.key,
-            "task": self.task,
-            "variant": variant_name(self.overrides),
-            "set": dict(self.overrides),
-            "method": self.method.name,
-            "planner": self.method.planner or self.method.call,
-            "options": dict(self.method.options),
-            "seed": self.seed,
-            "time_limit": self.time_limit,
-            "inputs": {
-                "digest": self.inputs.digest,
-                "task": self.inputs.task,
-                "cell": self.inputs.cell,
-                "robots": dict(self.inputs.robots),
-            },
-        }
-
 
 @dataclass(frozen=True)
-class Outcome:
+class RunOutcome:
     """What came of a run.
 
     Attributes:
@@ -146,11 +136,11 @@ class Outcome:
     trajectory: Trajectory | None = None
     task_file: str | None = None
 
-    def row(self, run: Run) -> dict[str, Any]:
+    def row(self, run: BenchRun) -> Row:
         """Return the row of the table, JSON values only."""
-        identity = run.identity()
+        asked = of_run(run)
         head = {"status": self.status, "reason": self.reason, "found": False}
-        return identity | head | {k: v for k, v in self.figures.items() if k not in identity}
+        return asked | head | {k: v for k, v in self.figures.items() if k not in asked}
 
 
 def changes(overrides: Mapping[str, Any]) -> tuple[str, ...]:

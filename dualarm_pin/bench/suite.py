@@ -12,7 +12,7 @@ from typing import Any
 from dualarm_pin import __version__
 from dualarm_pin.bench.fingerprints import Fingerprints
 from dualarm_pin.bench.gates import Gate, read_gate
-from dualarm_pin.bench.run import Method, Run, changes
+from dualarm_pin.bench.run import BenchRun, Method, changes
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.files.call import refuse_calls
 from dualarm_pin.files.source import Key, Source, check, read_yaml
@@ -25,7 +25,7 @@ from dualarm_pin.files.suite_spec import (
 )
 from dualarm_pin.planners.methods import EFFORTS, METHODS
 
-_MOST_RUNS = 1_000_000
+_MOST_RUNS = 1_000_000  # more is a slip in a grid, and they are all held in memory
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Suite:
     file: Path
     text: str
     title: str
-    runs: tuple[Run, ...]
+    runs: tuple[BenchRun, ...]
     gates: tuple[Gate, ...]
     maps: tuple[MapEntry, ...]
     keep: str
@@ -162,10 +162,10 @@ def _runs(
     tasks: Sequence[_Task],
     methods: Sequence[tuple[Method, MethodEntry]],
     allow_code: bool,
-) -> Iterator[Run]:
+) -> Iterator[BenchRun]:
     prints = Fingerprints()
     counted = 0
-    taken: dict[str, Run] = {}
+    taken: dict[str, BenchRun] = {}
     for task in tasks:
         for overrides in _variants(spec.overrides, task.overrides):
             try:
@@ -183,7 +183,7 @@ def _runs(
                         raise source.error(
                             f"more than {_MOST_RUNS} runs: divide the suite", ["tasks"]
                         )
-                    run = Run(
+                    run = BenchRun(
                         task=task.name,
                         file=str(task.file.resolve()),
                         overrides=overrides,

@@ -15,6 +15,8 @@ from dualarm_pin.cell.report import ArmReport, CellReport, CollisionReport
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
+# Random postures: a rank that is rarer than one in 50 is of no use, and the reach of an arm comes
+# out a few per cent short of its true one.
 _POSTURES = 50
 _REACH_SAMPLES = 1000
 _DEG = 180.0 / math.pi

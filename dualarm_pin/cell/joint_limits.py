@@ -10,6 +10,7 @@ from dualarm_pin.cell.joint_settings import Blame, Settings
 from dualarm_pin.cell.parts import Joint, Owner
 from dualarm_pin.errors import InputError
 from dualarm_pin.robot.robot import UrdfJoint
+from dualarm_pin.tolerance import TOLERANCE
 
 TURN = 2.0 * math.pi
 _FAR = 1000.0  # a bound beyond this [rad or m] means "none"
@@ -40,7 +41,7 @@ def column(
             raise blame("these bounds are absurdly wide", settings.place["limits", joint.name])
         if own is None:
             warnings.append(f"{name}: no usable bounds in the URDF; those of the cell are used")
-        elif not endless and (given[0] < own[0] - 1e-9 or given[1] > own[1] + 1e-9):
+        elif not endless and max(own[0] - given[0], given[1] - own[1]) > TOLERANCE.bound:
             warnings.append(
                 f"{name}: bounds {span(given, joint)} are wider than those of the URDF, "
                 f"{span(own, joint)}"

@@ -13,6 +13,7 @@ from dualarm_pin.cell.joint_settings import Blame, Settings
 from dualarm_pin.cell.parts import Joint, Owner
 from dualarm_pin.errors import InputError
 from dualarm_pin.robot.robot import UrdfJoint
+from dualarm_pin.tolerance import TOLERANCE
 
 
 class Follower(NamedTuple):
@@ -127,7 +128,7 @@ def _locked(chains: Chains, joint: UrdfJoint, settings: Settings, blame: Blame) 
     upper = math.inf if joint.upper is None else joint.upper
     if joint.name in settings.lock:
         value = settings.lock[joint.name]
-        if not lower - 1e-9 <= value <= upper + 1e-9:
+        if not lower - TOLERANCE.bound <= value <= upper + TOLERANCE.bound:
             raise blame(
                 f"joint {joint.name!r} cannot be locked at {value:g}: its bounds are "
                 f"{span((lower, upper), joint)}",

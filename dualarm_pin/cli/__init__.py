@@ -12,7 +12,7 @@ import cyclopts
 from dualarm_pin import __version__
 from dualarm_pin.errors import DualArmError
 
-DONE, NOT_FOUND, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130
+DONE, NOT_FOUND, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # exit codes; 130 is a shell's for Ctrl-C
 
 app = cyclopts.App(
     name="dualarm-pin",

@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from dualarm_pin.cli import DONE, INTERRUPTED
 from dualarm_pin.cli.terminal import TerminalProgress
 
-GATE_FAILED = 1
+GATE_FAILED = 1  # exit code
 _BETWEEN_LINES = 10.0  # seconds
 
 

@@ -24,7 +24,7 @@ from dualarm_pin.solution import STATUS, Multipliers, Solution, Solutions
 from dualarm_pin.tolerance import TOLERANCE
 
 _FEASIBLE = TOLERANCE.position / 10.0
-_CHUNKS_PER_JOB = 8
+_CHUNKS_PER_JOB = 8  # small enough that no thread waits long for the slowest chunk
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
 
-_MOST_PLANES = 800
+_MOST_PLANES = 800  # a piece; the linear programme of a step grows with them
 
 
 @dataclass

@@ -24,9 +24,10 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 
+# Starts a shift, and largest shifts of a posture [rad or m] from wide to what is still one path.
 RETURNS = 20
 SHIFTS = (0.2, 0.1, 0.05, 0.02)
-_MOST_ADOPTIONS = 5
+_MOST_ADOPTIONS = 5  # the paper's best path needs none; a search that needs more goes on for long
 
 
 def check_minimum(

@@ -10,10 +10,11 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.evidence.kkt import RANK, Stationarity, active_rows
+from dualarm_pin.evidence.kkt import Stationarity, active_rows
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import point_gradient
 from dualarm_pin.relative import Relative
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -65,7 +66,7 @@ def _free_directions(first: Stationarity, i: int) -> Array:
     if not len(free):
         return basis
     _, values, rows = np.linalg.svd(first.free_jacobian(i))
-    rank = int(np.sum(values > RANK))
+    rank = int(np.sum(values > TOLERANCE.rank))
     basis = np.zeros((len(first.active[i]), len(free) - rank))
     basis[free] = rows[rank:].T
     return basis

@@ -16,13 +16,10 @@ from numpy.typing import NDArray
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, inequalities, objective_and_gradient
 from dualarm_pin.relative import Relative
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-
-# The interior point leaves active joints mu / z inside their bounds: 1e-9 at z = 0.01.
-ACTIVE = 1e-6
-RANK = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +63,8 @@ class Stationarity:
 def stationarity(problem: Problem, q: Array) -> Stationarity:
     """Return the first-order conditions at q (k, n), with multipliers by least squares."""
     objective, gradient = objective_and_gradient(problem, q)
-    at_lower = q - problem.lower <= ACTIVE
-    at_upper = problem.upper - q <= ACTIVE
+    at_lower = q - problem.lower <= TOLERANCE.active
+    at_upper = problem.upper - q <= TOLERANCE.active
     active = np.where(at_lower, -1, np.where(at_upper, 1, 0)).astype(np.int64)
     residual = error = 0.0
     rows, multipliers, jacobians = [], [], []
@@ -75,7 +72,7 @@ def stationarity(problem: Problem, q: Array) -> Stationarity:
     for i, q_i in enumerate(q):
         relative = Relative(problem.cell, q_i)
         gap, _ = inequalities(problem, i, relative)
-        held = np.flatnonzero(gap <= ACTIVE)
+        held = np.flatnonzero(gap <= TOLERANCE.active)
         g, J = active_rows(problem, i, relative, held)
         y, z, left = _multipliers(gradient[i], J, active[i], len(held))
         equal = g[: len(g) - len(held)]
@@ -106,10 +103,10 @@ def _multipliers(
     The last `unequal` rows are inequalities.
     """
     free = active == 0
-    y = np.linalg.lstsq(J[:, free].T, -gradient[free], rcond=RANK)[0]
+    y = np.linalg.lstsq(J[:, free].T, -gradient[free], rcond=TOLERANCE.rank)[0]
     slope = gradient + J.T @ y
     z = -active * slope
-    if np.all(z >= -ACTIVE) and np.all(y[len(y) - unequal :] <= ACTIVE):
+    if np.all(z >= -TOLERANCE.active) and np.all(y[len(y) - unequal :] <= TOLERANCE.active):
         return y, z, np.where(free, slope, 0.0)
     # With few free joints y is not unique, and the shortest one may give a wrong sign.
     return _signed_multipliers(gradient, J, active, unequal)

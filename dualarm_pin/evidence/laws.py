@@ -7,62 +7,43 @@ say nothing about paths which that law cannot reach.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.answer.evidence import LawCount
-from dualarm_pin.search import anchored, whole_path
-from dualarm_pin.search.anchored import AnchoredSearch
-from dualarm_pin.search.whole_path import WholePathSearch
-from dualarm_pin.solution import Solutions, distinct, same_path
+from dualarm_pin.search.law import Drawn, Law
+from dualarm_pin.solution import distinct, same_path
 from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
+# On the paper's path, 400 simulated runs of each law: right in 87 % (whole path) and 94 to 100 %
+# (anchored); 3 hits alone are right in 18 to 53 %.
 LEAST_STARTS = 300
 LEAST_HITS = 3
 
 
-def count_laws(
-    anchored_search: AnchoredSearch, whole_search: WholePathSearch, best: Array
-) -> dict[str, LawCount]:
-    """Count what the starts of each law came to.
-
-    Args:
-        anchored_search: Starts of the anchored law.
-        whole_search: Starts of the whole-path law.
-        best: The best path (k, n): its basin is what hits are counted for.
-    """
-    laws = {}
-    drawn = anchored_search.starts_by_path()
-    if drawn is not None:
-        starts, refined, weight = drawn
-        laws[anchored.NAME] = count(refined, best, weight=weight, starts=starts)
-    if whole_search.ends is not None:
-        laws[whole_path.NAME] = count(whole_search.ends, best)
-    return laws
+def count_laws(laws: Sequence[Law], best: Array) -> dict[str, LawCount]:
+    """Count what the starts of each law that made some came to, for the basin of `best` (k, n)."""
+    drawn = {law.name: law.drawn() for law in laws}
+    return {name: count(each, best) for name, each in drawn.items() if each is not None}
 
 
-def count(
-    ends: Solutions,
-    best: Array,
-    *,
-    weight: NDArray[np.int64] | None = None,
-    starts: int | None = None,
-) -> LawCount:
+def count(drawn: Drawn, best: Array) -> LawCount:
     """Count the ends of one law.
 
     Args:
-        ends: Where its starts ended.
-        best: The best path (k, n).
-        weight: How many starts led to each end (s,); None for one each, in their order.
-        starts: Starts in all, those included that led to no end; None for the sum of `weight`.
+        drawn: Where its starts ended.
+        best: The best path (k, n): its basin is what hits are counted for.
     """
+    ends, weight = drawn.ends, drawn.weight
     in_order = weight is None
     weight = np.ones(len(ends), dtype=np.int64) if weight is None else weight
     minima = distinct(ends)
     label = minima.label
-    drawn = np.zeros(len(minima), dtype=np.int64)
-    np.add.at(drawn, label[label >= 0], weight[label >= 0])
+    hits = np.zeros(len(minima), dtype=np.int64)
+    np.add.at(hits, label[label >= 0], weight[label >= 0])
     is_best = np.array([same_path(q, best) for q in minima.ends.q], dtype=bool)
     value = minima.ends.objective
     others = value[~is_best]
@@ -73,11 +54,11 @@ def count(
         twins = int(np.sum(np.abs(others - lowest) < level))
     found = np.flatnonzero((label >= 0) & np.isin(label, np.flatnonzero(is_best)))
     return LawCount(
-        starts=int(weight.sum()) if starts is None else starts,
+        starts=drawn.starts,
         converged=int(weight[ends.converged].sum()),
         minima=len(minima),
-        best_hits=int(drawn[is_best].sum()),
-        singletons=int(np.sum(drawn == 1)),
+        best_hits=int(hits[is_best].sum()),
+        singletons=int(np.sum(hits == 1)),
         twins=twins,
         second_best=float(others.min()) if len(others) else None,
         last_improvement=int(found[0]) + 1 if in_order and len(found) else None,

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from dualarm_pin.evidence.bundle import Planes
 from dualarm_pin.evidence.check import near
-from dualarm_pin.evidence.pieces import Piece
+from dualarm_pin.evidence.pieces import PathPiece
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solution import Solutions, distinct
@@ -52,7 +52,7 @@ class PieceSearch:
 
     def __init__(
         self,
-        piece: Piece,
+        piece: PathPiece,
         incumbent: Array,
         cuts: int,
         seed: tuple[int, ...],

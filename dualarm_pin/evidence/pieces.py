@@ -15,17 +15,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.problem import Problem
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
 Cuts = tuple[int, ...]
 
 _UNCUT = 3  # paths of no more points are left whole
-_MOST_PIECES = 12
+# Of the paper's 31 points, 3 pieces of 11 are bounded in 2 s with a gap of 0.001 %, 6 of 6 in 22 s.
 _SIZE = 11
+_MOST_PIECES = 12  # every cut adds n multipliers, and steps
 
 
 @dataclass(frozen=True, eq=False)
-class Piece:
+class PathPiece:
     """One piece, with theta = 0.
 
     Attributes:
@@ -59,7 +61,7 @@ class Piece:
         return slope
 
 
-def split(problem: Problem, cuts: Cuts) -> list[Piece]:
+def split(problem: Problem, cuts: Cuts) -> list[PathPiece]:
     """Cut a problem at some of its inner points.
 
     Args:
@@ -78,7 +80,7 @@ def split(problem: Problem, cuts: Cuts) -> list[Piece]:
         piece = halved.window(begin, end + 1 - begin)
         left = None if number == 0 else number - 1
         right = None if number == len(cuts) else number
-        pieces.append(Piece(range(begin, end + 1), piece, left, right))
+        pieces.append(PathPiece(range(begin, end + 1), piece, left, right))
     return pieces
 
 
@@ -122,4 +124,4 @@ def _sharp(problem: Problem) -> NDArray[np.bool_]:
     bend = np.zeros(problem.k)
     bend[:-1] += turn
     bend[1:] += turn
-    return np.asarray(bend > 2.0 * bend.mean() + 1e-9)
+    return np.asarray(bend > 2.0 * bend.mean() + TOLERANCE.coincident)

@@ -11,7 +11,7 @@ from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, V
 from dualarm_pin.evidence import sentences
 from dualarm_pin.evidence.laws import LEAST_HITS, laws_suffice, missed_share
 
-CLOSED_GAP = 1e-3
+CLOSED_GAP = 1e-3  # a bound this near says that no better path is worth a search
 
 
 @dataclass(frozen=True)

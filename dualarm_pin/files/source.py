@@ -21,7 +21,7 @@ from dualarm_pin.errors import InputError, MissingFileError, nearest
 
 SpecT = TypeVar("SpecT", bound="Spec")
 Key = str | int
-_MOST_VALUES = 1_000_000
+_MOST_VALUES = 1_000_000  # aliases of aliases in a small file can stand for billions
 _LARGEST = 20_000_000  # bytes; a YAML file beyond this is a mistake
 
 

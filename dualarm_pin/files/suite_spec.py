@@ -11,7 +11,7 @@ from dualarm_pin.files.source import Spec
 Seconds = Annotated[float, Field(gt=0.0)]
 Seed = Annotated[int, Field(ge=0)]
 Count = Annotated[int, Field(ge=1)]
-_MOST_STEPS = 10_000
+_MOST_STEPS = 10_000  # a count beyond is a slip; a suite has at most a million runs
 
 
 class NamedEntry(Spec):

@@ -1,4 +1,4 @@
-"""The paper's indices along a direction u: force and velocity transmission (eq. 8, 9)."""
+"""The paper's indices along a direction u: force and velocity transmission."""
 
 from __future__ import annotations
 
@@ -15,7 +15,10 @@ def force(
     joint_weights: ArrayLike | None = None,
     joint_centre: float = 0.0,
 ) -> Index:
-    """Return the paper's index (eq. 8, 14): c = 1/alpha^2 = u^T A u, lower is better."""
+    """Return the paper's index (eq. 14): c = 1/alpha^2 = u^T A u, lower is better.
+
+    alpha is the force transmission ratio (eq. 6), weighted (eq. 8).
+    """
     return Index(
         "force",
         force_phi,
@@ -35,8 +38,8 @@ def velocity(
 ) -> Index:
     """Return 1/beta^2 = u^T A^-1 u (eq. 9), lower is better: more speed along u per joint speed.
 
-    Where task rows are weighted 0, A is inverted on the rows that are left and u counts there
-    alone. At a singular A the value is infinite.
+    beta is the velocity transmission ratio (eq. 7). Where task rows are weighted 0, A is inverted
+    on the rows that are left and u counts there alone. At a singular A the value is infinite.
     """
     return Index(
         "velocity",

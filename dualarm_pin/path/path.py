@@ -22,7 +22,7 @@ WHOLE_POSE, SPIN_FREE, POSITION_ONLY = 6, 5, 3
 
 @dataclass(frozen=True, eq=False, init=False)
 class Path:
-    """A path of h relative poses T_e1_e2 (17), each with a direction u of the index.
+    """A path of h relative poses T_e1_e2 (eq. 17), each with a direction u of the index.
 
     Arrays are read-only. Messages count points from 1, as the paper does.
 

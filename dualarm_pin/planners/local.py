@@ -1,8 +1,8 @@
-"""The typical approach, (12) and (13): follow the path and slide down the index in null space.
+"""The typical approach: follow the path (eq. 12) and slide down the index in null space (eq. 13).
 
 Three variants, since the paper's has no joint limits: `free` (report how far it leaves the
 bounds), `clamped` (joints are cut at their bounds) and `qp` (the same step as a quadratic
-programme within the bounds: without active bounds its solution is exactly (12)).
+programme within the bounds: without active bounds its solution is exactly (eq. 12)).
 """
 
 from __future__ import annotations
@@ -59,13 +59,13 @@ def plan_local(
     starts: int = 20,
     progress: Progress = SILENT,
 ) -> Trajectory:
-    """Plan point after point with the pseudo-inverse, (12) and (13).
+    """Plan point after point with the pseudo-inverse, (eq. 12) and (eq. 13).
 
     Args:
         task: What is asked.
         q_first: Joints at the first point (n,); None takes the best of `starts` for that point.
         variant: `free`, `clamped` or `qp`.
-        k0: Gain of the null-space step, (13).
+        k0: Gain of the null-space step (eq. 13).
         duration: Time in which the whole path is followed [s]; each interval takes an equal share.
         substeps: Integration steps an interval.
         seed: Seed of the starts for the first point.
@@ -156,7 +156,7 @@ def _interval(
 def _pseudo_inverse_step(
     walk: Problem, q: Array, J: Array, residual: Array, down: Array
 ) -> tuple[Array, bool]:
-    """Return (12): J+ v + (I - J+ J) q0, damped below a smallest singular value of 1e-3."""
+    """Return (eq. 12): J+ v + (I - J+ J) q0, damped below a smallest singular value of 1e-3."""
     U, sigma, Vt = np.linalg.svd(J, full_matrices=False)
     damped = bool(sigma[-1] < TOLERANCE.singular)
     inverse = sigma / (sigma**2 + TOLERANCE.singular**2) if damped else 1.0 / sigma

@@ -1,6 +1,6 @@
 """What one gets elsewhere: CasADi with IPOPT or fatrop, and Pink. Each behind its extra.
 
-`plan_casadi` solves the same whole-path problem (19) from random starts. `plan_pink` solves
+`plan_casadi` solves the same whole-path problem (eq. 19) from random starts. `plan_pink` solves
 another, local one: differential inverse kinematics with the relative pose as a task and the
 manipulability of the second arm as a wish; it knows neither the index nor the smoothness of the
 task, and is judged by them all the same.
@@ -43,7 +43,7 @@ def plan_casadi(
     seed: int = 0,
     progress: Progress = SILENT,
 ) -> Trajectory:
-    """Solve (19) over the whole path with CasADi, from random postures common to all points.
+    """Solve (eq. 19) over the whole path with CasADi, from random postures common to all points.
 
     Args:
         task: What is asked.

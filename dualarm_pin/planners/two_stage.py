@@ -1,9 +1,9 @@
 """The paper's method: first the points Gamma, then the points between them, with NLopt.
 
-Stage 1 minimises (19) over Gamma from many starts. Its ranking is not the final one, so several
-distinct minima (basins) are carried on. Stage 2 minimises (20) over at most `inner` points of each
-gap between fixed neighbours, the linear interpolation being start 0, and recurs until every point
-of the path is in.
+Stage 1 minimises (eq. 19) over Gamma from many starts. Its ranking is not the final one, so
+several distinct minima (basins) are carried on. Stage 2 minimises (eq. 20) over at most `inner`
+points of each gap between fixed neighbours, the linear interpolation being start 0, and recurs
+until every point of the path is in.
 """
 
 from __future__ import annotations
@@ -58,7 +58,7 @@ def plan_two_stage(
     progress: Progress = SILENT,
     workers: Workers | None = None,
 ) -> Trajectory:
-    """Plan with the two-stage method of the paper, (19) on Gamma and (20) between.
+    """Plan with the two-stage method of the paper, (eq. 19) on Gamma and (eq. 20) between.
 
     Args:
         task: What is asked.
@@ -147,7 +147,7 @@ def _fill_all(
     pool: Workers,
     progress: Progress,
 ) -> list[tuple[int, float, Array]]:
-    """Fill every gap of every basin; return (basin, objective (19), q (h, n)), best first."""
+    """Fill every gap of every basin; return (basin, objective (eq. 19), q (h, n)), best first."""
     filled: dict[int, Known] = {number: dict(basin) for number, basin in enumerate(basins)}
     level = 0
     while True:

@@ -17,8 +17,9 @@ from dualarm_pin.evidence.laws import count_laws, laws_suffice
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
-from dualarm_pin.search.anchored import AnchoredSearch
-from dualarm_pin.search.whole_path import WholePathSearch
+from dualarm_pin.search.anchored import AnchoredLaw
+from dualarm_pin.search.law import Drawn
+from dualarm_pin.search.whole_path import WholePathLaw
 from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers.shipped import ENGINE
@@ -115,7 +116,7 @@ def plan_global(
         q, local, bound = bound_minimum(problem, q, local, seed=seed, jobs=jobs, progress=progress)
     findings = Findings(
         local=local,
-        laws=count_laws(search.anchored, search.whole, q),
+        laws=count_laws(search.laws, q),
         agree=search.agree(q),
         bound=bound,
     )
@@ -132,7 +133,7 @@ def plan_global(
 
 
 def polish(task: Task, q: Array, *, solver: Solver = ENGINE, seed: int | None = None) -> Trajectory:
-    """Minimise (19) over all points from joints q (h, n); never worse than q.
+    """Minimise (eq. 19) over all points from joints q (h, n); never worse than q.
 
     Args:
         task: What is asked.
@@ -172,15 +173,15 @@ class _Search:
         progress: Progress,
     ) -> None:
         self.budget, self.progress = budget, progress
-        self.anchored = AnchoredSearch(problem, seed, jobs=jobs, solver=solver)
-        self.whole = WholePathSearch(problem, seed, jobs=jobs, solver=solver)
+        self.anchored = AnchoredLaw(problem, seed, jobs=jobs, solver=solver)
+        self.laws = (self.anchored, WholePathLaw(problem, seed, jobs=jobs, solver=solver))
 
     def run(self) -> None:
         """Search until the anchors agree and, if asked, both laws have said enough."""
         budget = self.budget
         self.progress.stage("anchored starts", budget.rounds)
         for level in range(budget.rounds):
-            self.anchored.grow(
+            self.anchored.scout(
                 budget.postures << level, budget.screened << level, budget.refinements << level
             )
             self.progress.advance()
@@ -189,32 +190,26 @@ class _Search:
         target = budget.starts
         while target:
             self.progress.stage(f"{target} starts by each of two laws", 2)
-            self.anchored.refine_all(target)
-            self.progress.advance()
-            self.whole.grow(target)
-            self.progress.advance()
+            for law in self.laws:
+                law.grow(target)
+                self.progress.advance()
             best = self.best()
             if best is None or target >= budget.most_starts:
                 break
-            if laws_suffice(count_laws(self.anchored, self.whole, best)):
+            if laws_suffice(count_laws(self.laws, best)):
                 break
             target = min(target + budget.starts, budget.most_starts)
 
     def best(self) -> Array | None:
         """Return the best path (k, n) of all starts so far."""
-        parts = [part for part in (self.anchored.paths, self.whole.ends) if part is not None]
-        if not parts:
+        drawn = [each for law in self.laws if (each := law.drawn()) is not None]
+        if not drawn:
             return None
-        ends = Solutions.join(parts)
-        if not ends.converged.any() and not ends.feasible.any():
-            return None
-        usable = ends.converged if ends.converged.any() else ends.feasible
-        best: Array = ends.q[int(np.argmin(np.where(usable, ends.objective, np.inf)))]
-        return best
+        return Drawn(0, Solutions.join([each.ends for each in drawn])).best
 
     def agree(self, q: Array) -> bool:
         """Tell whether both laws ended in the basin of q."""
-        return all(law.best_hits > 0 for law in count_laws(self.anchored, self.whole, q).values())
+        return all(law.best_hits > 0 for law in count_laws(self.laws, q).values())
 
 
 def _until_ctrl_c(work: Callable[[], None]) -> bool:

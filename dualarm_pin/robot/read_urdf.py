@@ -11,6 +11,7 @@ from dualarm_pin.robot.check_tree import check_tree
 from dualarm_pin.robot.read_link import inertial, material_colour, pose, shapes
 from dualarm_pin.robot.robot import KINDS, Link, Mimic, Robot, Triple, UrdfJoint
 from dualarm_pin.robot.xml import Reader, parse_xml, read_bytes
+from dualarm_pin.tolerance import TOLERANCE
 
 _DIALECTS = {"sdf": "SDF", "mujoco": "MJCF (MuJoCo)", "COLLADA": "COLLADA", "html": "HTML"}
 
@@ -140,7 +141,7 @@ def _axis(read: Reader, element: Any, kind: str, owner: str) -> Triple:
     child = read.child(element, "axis")
     x, y, z = read.numbers(child, "xyz", (1.0, 0.0, 0.0), owner)
     length = math.hypot(x, y, z)
-    if not 1e-9 < length < 1e9:
+    if not TOLERANCE.coincident < length < 1.0 / TOLERANCE.coincident:
         message = f"axis ({x:g}, {y:g}, {z:g}) has no direction; give a unit vector"
         raise read.error(message, child, owner)
     if abs(length - 1.0) < 1e-15:

@@ -1,4 +1,4 @@
-"""What must hold at a path point: the pose rows (17), as few as there are equations."""
+"""What must hold at a path point: the pose rows (eq. 17), as few as there are equations."""
 
 from __future__ import annotations
 

@@ -1,1 +1,1 @@
-"""Starts by two laws, the workers that run them, and what they came to."""
+"""Laws of starts, each one file with the face of `law.Law`, and the workers that run starts."""

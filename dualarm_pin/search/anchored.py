@@ -15,14 +15,13 @@ from numpy.typing import NDArray
 
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.coarse import coarse_of
+from dualarm_pin.search.law import Drawn
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solution import Minima, Solutions, distinct, same_path
 from dualarm_pin.solvers.shipped import ENGINE
 from dualarm_pin.solvers.solver import Solver, solve_many
 
 Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
-NAME = "anchored"
 _ALONE_ITERATIONS = 60  # a start that needs more at one point alone hardly ever converges
 
 
@@ -83,8 +82,13 @@ class Anchor:
         return int(self.minima.hits[int(np.argmin(distance))])
 
 
-class AnchoredSearch:
-    """A search that can grow: more postures at each anchor, more of their minima refined."""
+class AnchoredLaw:
+    """A law (`law.Law`) whose starts are postures at the anchors: many lead to one path.
+
+    `scout` takes the most promising of them further, `grow` all.
+    """
+
+    name = "anchored"
 
     def __init__(
         self,
@@ -103,12 +107,7 @@ class AnchoredSearch:
         self._path_of_coarse: dict[int, int] = {}
         self._paths: Solutions | None = None
 
-    @property
-    def paths(self) -> Solutions | None:
-        """All paths refined so far."""
-        return self._paths
-
-    def grow(self, starts: int, screened: int, refinements: int) -> None:
+    def scout(self, starts: int, screened: int, refinements: int) -> None:
         """Bring every anchor to `starts` postures, screen its best minima, refine the best of all.
 
         Args:
@@ -125,16 +124,19 @@ class AnchoredSearch:
         if self._screened is None:
             return
         minima = distinct(self._screened)
-        waiting = [
-            label
-            for label in range(min(refinements, len(minima)))
-            if not any(end in self._path_of_coarse for end in _members(minima, label))
-        ]
-        starts_of = [self._coarse.start(minima.ends.q[label]) for label in waiting]
-        for label, path in zip(waiting, self._refine(starts_of), strict=True):
-            self._path_of_coarse |= dict.fromkeys(_members(minima, label), path)
+        waiting = []
+        for label, q in enumerate(minima.ends.q):
+            members = [int(end) for end in np.flatnonzero(minima.label == label)]
+            known = [self._path_of_coarse[end] for end in members if end in self._path_of_coarse]
+            if known:  # refined before: a seed that fell into it since leads to the same path
+                self._path_of_coarse = dict.fromkeys(members, known[0]) | self._path_of_coarse
+            elif label < refinements:
+                waiting.append((members, self._coarse.start(q)))
+        paths = self._refine([start for _, start in waiting])
+        for (members, _), path in zip(waiting, paths, strict=True):
+            self._path_of_coarse |= dict.fromkeys(members, path)
 
-    def refine_all(self, starts: int) -> None:
+    def grow(self, starts: int) -> None:
         """Bring every anchor to `starts` postures and refine every minimum, copied to all points.
 
         Raises:
@@ -149,19 +151,18 @@ class AnchoredSearch:
 
     def agree(self) -> bool:
         """Tell whether the best path was reached from at least two anchors, or from all."""
-        if self._paths is None or not self._paths.converged.any():
+        drawn = self.drawn()
+        best = None if drawn is None or not drawn.ends.converged.any() else drawn.best
+        if drawn is None or best is None:
             return False
-        best = self._paths.q[
-            int(np.argmin(np.where(self._paths.converged, self._paths.objective, np.inf)))
-        ]
         reached = 0
         for anchor in self.anchors:
-            ends = {self._path(seed) for seed in anchor.seeds} - {None}
-            reached += any(end is not None and same_path(self._paths.q[end], best) for end in ends)
+            ends = {end for seed in anchor.seeds if (end := self._path(seed)) is not None}
+            reached += any(same_path(drawn.ends.q[end], best) for end in ends)
         return reached >= min(2, len(self.anchors))
 
-    def starts_by_path(self) -> tuple[int, Solutions, Labels] | None:
-        """Return how many postures were drawn, all paths, and how many led to each of them.
+    def drawn(self) -> Drawn | None:
+        """Return all paths refined so far and how many postures led to each, or None.
 
         A posture counts for the path that its one-point minimum was refined to. Minima that were
         not refined count for none.
@@ -174,7 +175,7 @@ class AnchoredSearch:
                 path = self._path(seed)
                 if path is not None:
                     weight[path] += anchor.hits(seed)
-        return sum(anchor.starts for anchor in self.anchors), self._paths, weight
+        return Drawn(sum(anchor.starts for anchor in self.anchors), self._paths, weight)
 
     def _path(self, seed: _Seed) -> int | None:
         if seed.path is not None or seed.coarse is None:
@@ -232,7 +233,3 @@ class AnchoredSearch:
             if ends.interrupted:
                 raise KeyboardInterrupt
         return range(first, first + len(starts))
-
-
-def _members(minima: Minima, label: int) -> list[int]:
-    return [int(end) for end in np.flatnonzero(minima.label == label)]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from dualarm_pin.problem import Problem
 
 Array = NDArray[np.float64]
+# Points of the coarse path: a sixth of all, but enough to follow a corner and few enough to pay.
 LEAST, MOST, SHARE = 7, 12, 6
 
 

@@ -1,4 +1,4 @@
-"""Laws by which starts are drawn, always in the parent and from one seed.
+"""Starts of a law: drawn in the parent and from one seed, before any worker exists.
 
 A start of many points works best with one posture common to all of them; postures drawn for each
 point by itself rarely lie in one basin.
@@ -23,10 +23,3 @@ def common_postures(
     """Draw starts (count, points, n): one posture within the bounds for all points of a start."""
     posture = random.uniform(lower, upper, (count, 1, len(lower)))
     return np.repeat(posture, points, axis=1)
-
-
-def independent_postures(
-    lower: Array, upper: Array, points: int, count: int, random: np.random.Generator
-) -> Array:
-    """Draw starts (count, points, n): a posture of its own for every point."""
-    return random.uniform(lower, upper, (count, points, len(lower)))

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 Reference = dict[str, Any]
-_ALIGN = 4
+_ALIGN = 4  # bytes of the numbers in the page; typed arrays begin at a multiple
 
 
 class Blob:

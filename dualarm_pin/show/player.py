@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 LAYOUTS = ("one", "overlay", "side")
 SWITCHES = "visual collision path frames direction force velocity ghosts hold".split()
 """What can be shown or hidden, as in web/player.js."""
-_LEAST_HEIGHT = 100
+_LEAST_HEIGHT = 100  # pixels; below it the controls cover the robots
 
 
 def player_page(task: Task, answers: Mapping[str, Trajectory], *, title: str) -> bytes:

@@ -8,12 +8,18 @@ from numpy.typing import NDArray
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, inequalities
 from dualarm_pin.relative import Relative
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
+# Marquardt (1963): the damping falls after a good step and grows after a bad one. The factors are
+# habit, not tuned; below the least it is lost in rounding, above the most the step is too.
+_FIRST, _LEAST, _MOST = 1e-3, 1e-14, 1e8
+_EASED, _STIFFENED = 0.1, 8.0
+_STIFF_FROM = 1e-8  # a bad step sets the damping to no less, or it would take many to be felt
 
 
 def project_point(
-    problem: Problem, i: int, q: Array, tolerance: float = 1e-10, iterations: int = 60
+    problem: Problem, i: int, q: Array, tolerance: float = TOLERANCE.on_path, iterations: int = 60
 ) -> tuple[Array, float]:
     """Move q towards the wanted pose of point i, keeping the bounds.
 
@@ -32,23 +38,23 @@ def project_point(
     """
     q = np.clip(q, problem.lower, problem.upper)
     residual, J = _lacking(problem, i, q)
-    damping = 1e-3
+    damping = _FIRST
     for _ in range(iterations):
         if np.max(np.abs(residual)) <= tolerance:
             break
         trial, trial_residual, trial_J = _step(problem, i, q, residual, J, damping)
         if trial_residual @ trial_residual < residual @ residual:
             q, residual, J = trial, trial_residual, trial_J
-            damping = max(damping / 10.0, 1e-14)
-        elif damping > 1e8:
+            damping = max(damping * _EASED, _LEAST)
+        elif damping > _MOST:
             break
         else:
-            damping = max(damping * 8.0, 1e-8)
+            damping = max(damping * _STIFFENED, _STIFF_FROM)
     return q, float(np.max(np.abs(residual)))
 
 
 def project(
-    problem: Problem, q: Array, tolerance: float = 1e-10, iterations: int = 60
+    problem: Problem, q: Array, tolerance: float = TOLERANCE.on_path, iterations: int = 60
 ) -> tuple[Array, float]:
     """Move every point of q (k, n) to its pose; return it with the largest residual left.
 

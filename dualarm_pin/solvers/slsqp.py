@@ -24,31 +24,29 @@ from dualarm_pin.tolerance import TOLERANCE
 Array = NDArray[np.float64]
 
 NAME = "nlopt-slsqp"
+_LAST_STEPS = 20  # from near the path a few are enough; rounding may keep the rest from ending
 _REASONS = {
     nlopt.SUCCESS: "converged",
     nlopt.STOPVAL_REACHED: "converged",
     nlopt.FTOL_REACHED: "the objective stopped changing",
     nlopt.XTOL_REACHED: "the joints stopped changing",
     nlopt.MAXEVAL_REACHED: "evaluation limit",
-    nlopt.MAXTIME_REACHED: "time limit",
 }
 
 
 @dataclass(frozen=True)
 class SlsqpOptions:
-    """Stop criteria of one start.
+    """Stop criteria of one start. No clock: the same end on any machine and for any load.
 
     Attributes:
         ftol_rel: Relative change of the objective.
         xtol_rel: Relative change of the joints.
         evaluations: Most evaluations.
-        seconds: Most seconds.
     """
 
     ftol_rel: float = 1e-8
     xtol_rel: float = 1e-8
     evaluations: int = 200
-    seconds: float = 20.0
 
 
 def solve(
@@ -57,23 +55,25 @@ def solve(
     """Minimise `problem` from `start` (k, n).
 
     The start is put onto the path first; the point returned is put onto it once more, so that
-    feasibility is a matter of 1e-10, not of the solver's tolerance.
+    feasibility is a matter of `TOLERANCE.exact`, not of the solver's tolerance.
     """
     options = options or SlsqpOptions()
     begun = time.perf_counter()
-    first, _ = project(problem, start, 1e-6)
+    first, _ = project(problem, start, TOLERANCE.position)
     evaluation = _Evaluation(problem)
     optimiser = nlopt.opt(nlopt.LD_SLSQP, first.size)
     optimiser.set_min_objective(evaluation.objective)
-    optimiser.add_equality_mconstraint(evaluation.equalities, np.full(evaluation.equal.m, 1e-8))
-    if evaluation.unequal.m:
-        optimiser.add_inequality_mconstraint(evaluation.below, np.full(evaluation.unequal.m, 1e-8))
+    equal, unequal = (
+        np.full(rows.m, TOLERANCE.nlopt_rows) for rows in (evaluation.equal, evaluation.unequal)
+    )
+    optimiser.add_equality_mconstraint(evaluation.equalities, equal)
+    if len(unequal):
+        optimiser.add_inequality_mconstraint(evaluation.below, unequal)
     optimiser.set_lower_bounds(np.tile(problem.lower, problem.k))
     optimiser.set_upper_bounds(np.tile(problem.upper, problem.k))
     optimiser.set_ftol_rel(options.ftol_rel)
     optimiser.set_xtol_rel(options.xtol_rel)
     optimiser.set_maxeval(options.evaluations)
-    optimiser.set_maxtime(options.seconds)
     try:
         optimiser.optimize(first.ravel())
         code = optimiser.last_optimize_result()
@@ -85,14 +85,14 @@ def solve(
             raise evaluation.interrupted from None
         reason, converged = f"NLopt failed: {error}", False
     best = first if evaluation.best is None else evaluation.best
-    q, _ = project(problem, best, 1e-12, 20)
+    q, _ = project(problem, best, TOLERANCE.exact, _LAST_STEPS)
     residual = violation(problem, q)
     inside = bool(np.all((q >= problem.lower) & (q <= problem.upper)))
     return Solution(
         q=q,
         objective=problem.objective(q),
         residual=residual,
-        feasible=inside and residual <= TOLERANCE.position / 10.0,
+        feasible=inside and residual <= TOLERANCE.feasible,
         converged=converged,
         message=reason,
         start=number,
@@ -159,8 +159,8 @@ class _Evaluation:
         self.count += 1
         below = float(np.max(-self.unequal.values, initial=0.0))
         worst = max(float(np.max(np.abs(self.equal.values))), below)
-        # Feasible to 1e-4 is near enough: the projection after the solve does the rest.
-        merit = value if worst < 1e-4 else np.inf
+        # So near is near enough: the projection after the solve does the rest.
+        merit = value if worst < TOLERANCE.near_path else np.inf
         if merit < self._best_merit:
             self._best_merit, self.best = merit, q.copy()
 

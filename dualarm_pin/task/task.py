@@ -36,7 +36,7 @@ class Task:
         cell: Two arms.
         path: Relative poses and directions.
         index: What is minimised at each point.
-        smoothness: lambda of (19) and (20).
+        smoothness: lambda of (eq. 19) and (eq. 20).
         stage_1_smoothness: lambda of the paper's first stage.
         Gamma: Points of the paper's first stage, from 0; the first and the last are among them.
         metric: How the joints count in a step, diagonal (n,).

@@ -12,11 +12,9 @@ import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import Any
 
+from dualarm_pin.bench.columns import Row
 from dualarm_pin.errors import InputError
-
-Row = dict[str, Any]
 
 
 class RowLog:

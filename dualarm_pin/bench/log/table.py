@@ -5,32 +5,14 @@ from __future__ import annotations
 import csv
 import itertools
 import json
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator
 from pathlib import Path
 from typing import Any
 
+from dualarm_pin.bench.columns import Row, flatten
 from dualarm_pin.files.write import replacing
 
-Row = dict[str, Any]
 _CHUNK = 1000  # rows in memory at a time
-_AS_TEXT = ("extra", "evidence.details", "inputs.robots", "options", "units")
-
-
-def flatten(row: Mapping[str, Any], prefix: str = "") -> Row:
-    """Return a row without nested records: `evidence.verdict`, `timing.wall_s`, ...
-
-    What has other keys in every row (`extra`, ...) becomes JSON text.
-    """
-    flat: Row = {}
-    for key, value in row.items():
-        name = f"{prefix}{key}"
-        if name in _AS_TEXT:
-            flat[name] = json.dumps(value)
-        elif isinstance(value, Mapping):
-            flat |= flatten(value, f"{name}.")
-        else:
-            flat[name] = value
-    return flat
 
 
 def write_tables(folder: Path, rows: Callable[[], Iterable[Row]]) -> None:

@@ -7,12 +7,11 @@ from collections.abc import Mapping, Sequence
 from html import escape
 from typing import Any
 
+from dualarm_pin.bench.columns import Shown
 from dualarm_pin.bench.gates import Gate
 from dualarm_pin.bench.report import statistics as stats
 from dualarm_pin.bench.report.statistics import Summary
 from dualarm_pin.tolerance import TOLERANCE
-
-_UNKNOWN = "unknown"
 
 
 def gates_table(gates: Sequence[tuple[Gate, str | None]]) -> str:
@@ -70,36 +69,31 @@ def overview_table(rows: Sequence[Mapping[str, Any]], methods: Sequence[str]) ->
 
 
 def problem_table(group: Sequence[Summary]) -> str:
-    """Return the methods on one task side by side."""
-    objectives = [s.objective for s in group if s.objective is not None]
-    least = min(objectives, default=None)
-    lines = []
-    for s in group:
-        best = s.objective is not None and least is not None and s.objective <= least * (1 + 1e-6)
-        lines.append(
-            f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.runs)}"
-            f"{_number(s.objective, '.5g', 'best' if best else '')}"
-            f"{_number(s.mean_index, '.4g')}{_number(s.median_index, '.4g')}"
-            f"{_violation(s.bound_violation)}{_error(s.pose_error)}"
-            f"{_clearance(s)}{_number(s.joint_step, '.3f')}{_number(s.time, '.3g')}"
-            f'<td class="words">{_evidence(s)}</td></tr>'
-        )
-    head = _head(
-        [
-            "method",
-            "found",
-            "objective, best found",
-            "mean index, best",
-            "mean index, median",
-            "bound violation, largest",
-            "pose error, largest",
-            "clearance [m]",
-            "joint step",
-            "time, median [s]",
-            "evidence of the best",
-        ]
-    )
-    return _table(head, lines)
+    """Return the methods on one task side by side, one column for each that is shown."""
+    looks = [shown for _, shown in stats.shown_columns()]
+    least = {}
+    for shown in looks:
+        values = [v for s in group if (v := s.figures[shown.heading]) is not None]
+        if shown.least and values:
+            near = TOLERANCE.same_objective * max(1.0, abs(min(values)))
+            least[shown.heading] = min(values) + near
+    lines = [
+        f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.runs)}"
+        f"{''.join(_figure(s, shown, least.get(shown.heading)) for shown in looks)}"
+        f'<td class="words">{_evidence(s)}</td></tr>'
+        for s in group
+    ]
+    headings = [shown.heading for shown in looks]
+    return _table(_head(["method", "found", *headings, "evidence of the best"]), lines)
+
+
+def _figure(s: Summary, shown: Shown, least: float | None) -> str:
+    value = s.figures[shown.heading]
+    if value is None:
+        unknown = shown.rule == "best" and s.found
+        return f'<td class="none">{"unknown" if unknown else "none"}</td>'
+    mark = "bad" if shown.bad(value) else "best" if least is not None and value <= least else ""
+    return _number(value, shown.form, mark)
 
 
 def _evidence(s: Summary) -> str:
@@ -138,16 +132,3 @@ def _share(found: int, runs: int) -> str:
 def _violation(value: float | None) -> str:
     bad = value is not None and value > TOLERANCE.bound
     return _number(value, ".2g", "bad" if bad else "")
-
-
-def _error(value: float | None) -> str:
-    bad = value is not None and value > max(TOLERANCE.position, TOLERANCE.rotation)
-    return _number(value, ".1e", "bad" if bad else "")
-
-
-def _clearance(s: Summary) -> str:
-    if s.objective is None:
-        return '<td class="none">none</td>'
-    if s.clearance is None:
-        return f'<td class="none">{_UNKNOWN}</td>'
-    return _number(s.clearance, ".3f", "bad" if s.clearance <= 0.0 else "")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from dualarm_pin.bench.columns import Row
 from dualarm_pin.bench.kept_trajectories import best_folder
 from dualarm_pin.bench.report import statistics as stats
 from dualarm_pin.bench.report.charts import legend, map_chart, profile_chart
@@ -19,7 +20,7 @@ from dualarm_pin.show.page import render_page, render_text_page
 from dualarm_pin.show.scene import Scene
 
 if TYPE_CHECKING:
-    from dualarm_pin.bench.batch import Batch
+    from dualarm_pin.bench.batch import BatchResult
     from dualarm_pin.bench.suite import Suite
 
 MOST_SCENES = 16  # tasks in the 3D view; meshes are stored once a cell
@@ -36,7 +37,7 @@ _LIMITATIONS = (
 )
 
 
-def write_report(suite: Suite, batch: Batch, command: str) -> None:
+def write_report(suite: Suite, batch: BatchResult, command: str) -> None:
     """Write `report.html` into the folder of a batch.
 
     Args:
@@ -76,7 +77,9 @@ def write_report(suite: Suite, batch: Batch, command: str) -> None:
     write_bytes(batch.folder / "report.html", page)
 
 
-def _headline(batch: Batch, groups: dict[Problem, list[Summary]], methods: Sequence[str]) -> str:
+def _headline(
+    batch: BatchResult, groups: dict[Problem, list[Summary]], methods: Sequence[str]
+) -> str:
     tasks = {task for task, _ in groups}
     counts = ", ".join(
         f"{count} {escape(status.replace('_', ' '))}"
@@ -94,10 +97,10 @@ def _count(number: int, noun: str) -> str:
     return f"{number} {noun}" + ("" if number == 1 else "s")
 
 
-def _maps(maps: Sequence[MapEntry], rows: Sequence[dict[str, Any]]) -> str:
+def _maps(maps: Sequence[MapEntry], rows: Sequence[Row]) -> str:
     parts = []
     for chart in maps:
-        best: dict[tuple[float, float], dict[str, Any] | None] = {}
+        best: dict[tuple[float, float], Row | None] = {}
         for row in rows:
             place = (float(row["set"][chart.x]), float(row["set"][chart.y]))
             known = best.setdefault(place, None)
@@ -105,7 +108,7 @@ def _maps(maps: Sequence[MapEntry], rows: Sequence[dict[str, Any]]) -> str:
             if value is not None and (known is None or value < known[chart.of]):
                 best[place] = row
         values = {place: None if row is None else row[chart.of] for place, row in best.items()}
-        collides = [p for p, row in best.items() if row and _touches(row)]
+        collides = [place for place, row in best.items() if row is not None and _touches(row)]
         labels = chart.label_x or chart.x, chart.label_y or chart.y
         parts.append(
             f"<figure>{map_chart(values, *labels, chart.of, collides)}"
@@ -116,7 +119,7 @@ def _maps(maps: Sequence[MapEntry], rows: Sequence[dict[str, Any]]) -> str:
     return f"<h2>Maps</h2>{''.join(parts)}" if parts else ""
 
 
-def _profiles(rows: Sequence[dict[str, Any]]) -> str:
+def _profiles(rows: Sequence[Row]) -> str:
     charts = (
         (
             "Objective: share of runs within a ratio of the best of their task",
@@ -159,11 +162,11 @@ def _problems(groups: dict[Problem, list[Summary]]) -> str:
     return "".join(parts)
 
 
-def _scene(batch: Batch, allow_code: bool) -> tuple[Scene | None, list[str], int]:
+def _scene(batch: BatchResult, allow_code: bool) -> tuple[Scene | None, list[str], int]:
     """Return the best trajectory of each task as one scene, their labels, and how many are out."""
     from dualarm_pin.answer.folder import load_result
 
-    best: dict[str, dict[str, Any]] = {}
+    best: dict[str, Row] = {}
     for row in batch.rows:
         if row["found"] and row["objective"] is not None:
             known = best.get(row["task"])
@@ -181,16 +184,17 @@ def _scene(batch: Batch, allow_code: bool) -> tuple[Scene | None, list[str], int
     return (scene if labels else None), labels, len(best) - len(labels)
 
 
-def _order(row: dict[str, Any], other: dict[str, Any]) -> tuple[bool, float, float]:
+def _order(row: Row, other: Row) -> tuple[bool, float, float]:
     """Objectives decide within a variant; between variants what is free, then the mean index."""
     if row["variant"] == other["variant"]:
         return False, row["objective"], row["seed"]
     return _touches(row), row["mean_index"], row["seed"]
 
 
-def _touches(row: dict[str, Any]) -> bool:
-    """Tell whether links touch: contact at exactly 0 counts; an unknown clearance does not."""
-    return row["min_clearance"] is not None and row["min_clearance"] <= 0.0
+def _touches(row: Row) -> bool:
+    """Tell whether links are known to touch; contact at exactly 0 counts."""
+    clearance = row["min_clearance"]
+    return clearance is not None and clearance <= 0.0
 
 
 def _stage(labels: Sequence[str], left_out: int) -> str:

@@ -10,16 +10,16 @@ from dualarm_pin import __version__
 from dualarm_pin.bench.fingerprints import file_digest
 
 if TYPE_CHECKING:
-    from dualarm_pin.bench.batch import Batch
+    from dualarm_pin.bench.batch import BatchResult
     from dualarm_pin.bench.suite import Suite
 
 
-def provenance(suite: Suite, batch: Batch, command: str) -> str:
+def provenance(suite: Suite, batch: BatchResult, command: str) -> str:
     """Return the sections `Repeat it` and `Runs without an answer`."""
     return "".join([_unanswered(batch), _repeat(suite, batch, command)])
 
 
-def _unanswered(batch: Batch) -> str:
+def _unanswered(batch: BatchResult) -> str:
     reasons = Counter(
         (row["method"], row["task"], row["status"], row["reason"])
         for row in batch.rows
@@ -38,7 +38,7 @@ def _unanswered(batch: Batch) -> str:
     )
 
 
-def _repeat(suite: Suite, batch: Batch, command: str) -> str:
+def _repeat(suite: Suite, batch: BatchResult, command: str) -> str:
     machines = Counter(
         tuple(str(row.get(f"machine.{part}") or "") for part in ("processor", "cores", "system"))
         for row in batch.rows

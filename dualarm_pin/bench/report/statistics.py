@@ -9,6 +9,9 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from dualarm_pin.bench import columns
+from dualarm_pin.bench.columns import Rule, Shown
+
 Row = Mapping[str, Any]
 Problem = tuple[str, str]
 SHIFT = 1.0  # seconds; keeps runs of milliseconds from ruling a geometric mean
@@ -19,36 +22,20 @@ class Summary:
     """The runs of one method on one task and variant.
 
     Attributes:
-        problem: Task and variant.
         method: Name of the method.
         runs: How many there are.
         found: How many were verified.
         statuses: How many ended in which way.
-        objective: Best objective (19) of those found.
-        mean_index: Best mean index of those found; of all that ended if none was.
-        median_index: Median of the mean index over those found; over all that ended if none was.
-        bound_violation: Largest violation of a bound of all that ended [rad or m].
-        pose_error: Largest position or rotation error of all that ended [m or rad].
-        joint_step: Largest joint step in the best of those found [rad or m].
-        clearance: Smallest clearance of the best of those found [m], None if unknown.
-        time: Median wall time of all that ended [s].
+        figures: Value of every shown column by its heading, None where there is none.
         verdict: What the evidence of the best says.
         gap: Its gap to the lower bound.
     """
 
-    problem: Problem
     method: str
     runs: int
     found: int
     statuses: Counter[str]
-    objective: float | None
-    mean_index: float | None
-    median_index: float | None
-    bound_violation: float | None
-    pose_error: float | None
-    joint_step: float | None
-    clearance: float | None
-    time: float | None
+    figures: Mapping[str, float | None]
     verdict: str
     gap: float | None
 
@@ -60,40 +47,48 @@ def summaries(rows: Iterable[Row]) -> dict[Problem, list[Summary]]:
         group = groups.setdefault((row["task"], row["variant"]), {})
         group.setdefault(row["method"], []).append(row)
     return {
-        problem: [_summary(problem, method, runs) for method, runs in group.items()]
+        problem: [_summary(method, runs) for method, runs in group.items()]
         for problem, group in groups.items()
     }
 
 
-def _summary(problem: Problem, method: str, runs: Sequence[Row]) -> Summary:
+def shown_columns() -> list[tuple[str, Shown]]:
+    """Return the name and the look of every column of a task's table, in order."""
+    return [(column.name, shown) for column in columns.COLUMNS for shown in column.shown]
+
+
+def _summary(method: str, runs: Sequence[Row]) -> Summary:
     ended = [row for row in runs if _value(row, "mean_index") is not None]
     found = [row for row in ended if row["found"]]
-    best = min(found, key=lambda row: _value(row, "objective") or math.inf, default=None)
-    judged = found or ended
-    means = [row["mean_index"] for row in judged]
-
-    def largest(*columns: str) -> float | None:
-        values = [v for row in ended for c in columns if (v := _value(row, c)) is not None]
-        return max(values, default=None)
-
-    times = [row["timing.wall_s"] for row in ended if _value(row, "timing.wall_s") is not None]
+    valued = [row for row in found if _value(row, "objective") is not None]
+    best = min(valued, key=lambda row: float(row["objective"]), default=None)
     return Summary(
-        problem=problem,
         method=method,
         runs=len(runs),
         found=len(found),
         statuses=Counter(row["status"] for row in runs),
-        objective=_value(best, "objective"),
-        mean_index=min(means, default=None),
-        median_index=statistics.median(means) if means else None,
-        bound_violation=largest("max_bound_violation"),
-        pose_error=largest("max_position_error", "max_rotation_error"),
-        joint_step=_value(best, "max_joint_step"),
-        clearance=_value(best, "min_clearance"),
-        time=statistics.median(times) if times else None,
+        figures={
+            shown.heading: _figure(name, shown.rule, ended, found, best)
+            for name, shown in shown_columns()
+        },
         verdict=(best or {}).get("evidence.verdict") or "",
         gap=_value(best, "evidence.gap"),
     )
+
+
+def _figure(
+    name: str, rule: Rule, ended: Sequence[Row], found: Sequence[Row], best: Row | None
+) -> float | None:
+    """Return the value of a column that stands for all runs; the rules are those of `Shown`."""
+    if rule == "best":
+        return _value(best, name)
+    judged = ended if rule in ("largest", "typical") else found or ended
+    values = [value for row in judged if (value := _value(row, name)) is not None]
+    if not values:
+        return None
+    if rule == "largest":
+        return max(values)
+    return min(values) if rule == "least" else statistics.median(values)
 
 
 def shifted_geometric_mean(values: Sequence[float], shift: float = SHIFT) -> float | None:

@@ -14,7 +14,7 @@ import threading
 import time
 from multiprocessing.connection import Connection
 
-_PR_SET_PDEATHSIG = 1
+_PR_SET_PDEATHSIG = 1  # linux/prctl.h
 
 
 def main(handle: int) -> None:

@@ -9,20 +9,20 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from typing import Any
 
-from dualarm_pin.bench.run import Outcome, Run
+from dualarm_pin.bench.run import BenchRun, RunOutcome
 from dualarm_pin.bench.work.runner import DEATHS, run_watched
 from dualarm_pin.errors import DualArmError
 
-Ended = tuple[Run, Outcome]
-_KILLER = Outcome("crashed", f"it was alone on {DEATHS} worker processes that died")
+Ended = tuple[BenchRun, RunOutcome]
+_KILLER = RunOutcome("crashed", f"it was alone on {DEATHS} worker processes that died")
 _PATIENCE = 20.0  # seconds without an end before the workers are counted
 _RECOUNT = 1.0  # seconds between two counts of the workers
 _AHEAD = 4  # runs in flight for each worker thread: none waits for the parent
 
 
-def spread(
+def run_on_workers(
     client: Any,
-    runs: Iterable[Run],
+    runs: Iterable[BenchRun],
     keep: bool,
     waiting: Callable[[], None] = lambda: None,
 ) -> Iterator[list[Ended]]:
@@ -43,8 +43,8 @@ def spread(
         DualArmError: The scheduler was lost.
     """
     rest = iter(runs)
-    flying: dict[Any, Run] = {}
-    suspects: list[Run] = []
+    flying: dict[Any, BenchRun] = {}
+    suspects: list[BenchRun] = []
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
     def send(count: int) -> None:
@@ -97,7 +97,7 @@ def _room(client: Any) -> int:
     return max(1, threads) * _AHEAD
 
 
-def _outcomes(client: Any, futures: Sequence[Any]) -> list[Outcome | None]:
+def _outcomes(client: Any, futures: Sequence[Any]) -> list[RunOutcome | None]:
     """Return what came of runs that ended, None for one whose workers died.
 
     Raises:
@@ -106,7 +106,7 @@ def _outcomes(client: Any, futures: Sequence[Any]) -> list[Outcome | None]:
     from distributed import KilledWorker
 
     finished = [future for future in futures if future.status == "finished"]
-    results: dict[Any, Outcome] = {}
+    results: dict[Any, RunOutcome] = {}
     try:  # together, which is faster
         results = dict(zip(finished, client.gather(finished, direct=True), strict=True))
     except KilledWorker:  # a worker died with its result, and the run done again killed others

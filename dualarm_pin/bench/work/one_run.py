@@ -3,28 +3,25 @@
 from __future__ import annotations
 
 import importlib
-import os
-import platform
 import time
 import traceback
 from collections.abc import Callable
 from datetime import UTC, datetime
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
 
 from dualarm_pin import __version__
-from dualarm_pin.answer.result_json import result_json
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.bench.columns import Answered, machine, of_answer
 from dualarm_pin.bench.fingerprints import file_digest
-from dualarm_pin.bench.run import Outcome, Run
+from dualarm_pin.bench.run import BenchRun, RunOutcome
 from dualarm_pin.errors import DualArmError, InputError
 from dualarm_pin.task import Task
 
 Planner = Callable[[], Trajectory]
 
 
-def perform(run: Run, keep: bool = True) -> Outcome:
+def perform(run: BenchRun, keep: bool = True) -> RunOutcome:
     """Do a run here and now, without a time limit; never raises for what the run does.
 
     Args:
@@ -38,7 +35,7 @@ def perform(run: Run, keep: bool = True) -> Outcome:
     return execute(run, task, planner, keep)
 
 
-def prepare(run: Run) -> tuple[Task, Planner]:
+def prepare(run: BenchRun) -> tuple[Task, Planner]:
     """Load what a run needs, so that its time limit counts its own work alone.
 
     Raises:
@@ -65,7 +62,7 @@ def prepare(run: Run) -> tuple[Task, Planner]:
     return task, _planner(run, task)
 
 
-def execute(run: Run, task: Task, planner: Planner, keep: bool) -> Outcome:
+def execute(run: BenchRun, task: Task, planner: Planner, keep: bool) -> RunOutcome:
     """Call the planner of a prepared run; a failure is an outcome."""
     started = datetime.now(UTC)
     begun = time.perf_counter()
@@ -73,16 +70,11 @@ def execute(run: Run, task: Task, planner: Planner, keep: bool) -> Outcome:
         trajectory = planner()
         if not isinstance(trajectory, Trajectory):
             raise TypeError(f"a Trajectory is expected; {run.method.name} returned {trajectory!r}")
-        figures = result_json(trajectory)
-        del figures["checked"]  # point by point: in the result folders that are kept
+        answered = Answered(task, trajectory, started, time.perf_counter() - begun)
+        figures = of_answer(answered)
     except Exception as error:
         return failed(error)
-    figures["run_s"] = time.perf_counter() - begun
-    figures["started"] = started.isoformat(timespec="milliseconds")
-    figures["machine"] = machine()
-    figures["index_name"], figures["index_units"] = task.index.name, task.index.units
-    figures["smoothness"] = task.smoothness
-    return Outcome(
+    return RunOutcome(
         status="ok" if trajectory.found else "not_found",
         reason="" if trajectory.found else trajectory.message or "no solution was found",
         figures=figures,
@@ -91,14 +83,14 @@ def execute(run: Run, task: Task, planner: Planner, keep: bool) -> Outcome:
     )
 
 
-def failed(error: Exception) -> Outcome:
+def failed(error: Exception) -> RunOutcome:
     """Return the outcome of a run that raised."""
     text = str(error) or type(error).__name__
     if not isinstance(error, DualArmError):
         frame = traceback.extract_tb(error.__traceback__)[-1]
         place = f"{Path(frame.filename).name}:{frame.lineno}"
         text = f"{type(error).__name__}: {text} ({place})"
-    return Outcome("failed", " ".join(text.split())[:2000], {"machine": machine()})
+    return RunOutcome("failed", " ".join(text.split())[:2000], {"machine": machine()})
 
 
 @lru_cache(maxsize=8)
@@ -111,7 +103,7 @@ def _task_file(task: Task) -> str:
     return task.as_yaml()  # writing YAML takes longer than a short run
 
 
-def _planner(run: Run, task: Task) -> Planner:
+def _planner(run: BenchRun, task: Task) -> Planner:
     method = run.method
     if method.call is not None:
         module, _, name = method.call.partition(":")
@@ -126,20 +118,3 @@ def _planner(run: Run, task: Task) -> Planner:
 
         engine.ensure_compiled()
     return lambda: plan(task, planner, seed=run.seed, jobs=1, **method.options)
-
-
-@lru_cache(maxsize=1)
-def machine() -> dict[str, Any]:
-    """Return what the times were measured on."""
-    processor = platform.processor()
-    try:
-        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
-        processor = next(x.partition(":")[2].strip() for x in lines if x.startswith("model name"))
-    except (OSError, StopIteration):  # not Linux, or a processor without a name
-        pass
-    return {
-        "host": platform.node(),
-        "system": f"{platform.system()} {platform.release()}",
-        "processor": processor or platform.machine(),
-        "cores": os.cpu_count(),
-    }

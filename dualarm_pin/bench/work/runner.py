@@ -15,7 +15,7 @@ import threading
 from multiprocessing.connection import Connection, Pipe
 from typing import IO, Any
 
-from dualarm_pin.bench.run import Outcome, Run
+from dualarm_pin.bench.run import BenchRun, RunOutcome
 
 LOADING = 300.0  # seconds to load a task and to compile, beside the time limit of the run
 DEATHS = 2  # a run that kills its process so often is set aside
@@ -29,7 +29,7 @@ _ONE_THREAD = (
 _threads = threading.local()
 
 
-def run_watched(run: Run, keep: bool) -> Outcome:
+def run_watched(run: BenchRun, keep: bool) -> RunOutcome:
     """Do a run in the child process of this thread; what a `dask` worker calls."""
     if not hasattr(_threads, "runner"):
         _threads.runner = Runner()
@@ -45,7 +45,7 @@ class Runner:
         self._connection: Connection[Any, Any] | None = None
         self._errors: IO[bytes] = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as this
 
-    def run(self, run: Run, keep: bool) -> Outcome:
+    def run(self, run: BenchRun, keep: bool) -> RunOutcome:
         """Do a run; one that dies gets a second chance in a new process."""
         reason = ""
         for _ in range(DEATHS):
@@ -53,7 +53,7 @@ class Runner:
                 return self._once(run, keep)
             except (EOFError, OSError):  # the child is gone
                 reason = self._autopsy()
-        return Outcome("crashed", f"its process died {DEATHS} times; the last time: {reason}")
+        return RunOutcome("crashed", f"its process died {DEATHS} times; the last time: {reason}")
 
     def close(self) -> None:
         """End the child."""
@@ -68,7 +68,7 @@ class Runner:
     def __del__(self) -> None:
         self.close()
 
-    def _once(self, run: Run, keep: bool) -> Outcome:
+    def _once(self, run: BenchRun, keep: bool) -> RunOutcome:
         if self._connection is None:
             self._start()
         connection = self._connection
@@ -81,9 +81,9 @@ class Runner:
         for stage, seconds in stages:
             if not connection.poll(seconds):
                 self.close()
-                return Outcome("timed_out", f"{stage} took longer than {seconds:g} s")
+                return RunOutcome("timed_out", f"{stage} took longer than {seconds:g} s")
             answer = connection.recv()
-            if isinstance(answer, Outcome):
+            if isinstance(answer, RunOutcome):
                 return answer
         raise EOFError  # a child that answers out of turn is as good as dead
 

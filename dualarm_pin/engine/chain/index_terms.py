@@ -31,7 +31,7 @@ def projected_columns(problem: Problem, i: int, scratch: Scratch) -> None:
 
 @compiled
 def force_value(problem: Problem, i: int, scratch: Scratch) -> float:
-    """Return c = u^T Wt^(1/2) J W J^T Wt^(1/2) u = sum_k W_k a_k^2 (eq. 8, 14)."""
+    """Return c = u^T Wt^(1/2) J W J^T Wt^(1/2) u = sum_k W_k a_k^2 (eq. 14)."""
     projected_columns(problem, i, scratch)
     value = 0.0
     for k in range(scratch.a.shape[0]):

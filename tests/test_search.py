@@ -1,4 +1,4 @@
-"""Starts, workers and both start laws: reproducible, complete, counted honestly."""
+"""Laws of starts and their workers: reproducible, complete, counted honestly."""
 
 from __future__ import annotations
 
@@ -6,26 +6,24 @@ import os
 import time
 
 import numpy as np
+import paper_case
 import pytest
 
 from dualarm_pin.errors import WorkerError
 from dualarm_pin.evidence.laws import count_laws
-from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import coupling
-from dualarm_pin.search.anchored import AnchoredSearch, anchor_points
+from dualarm_pin.search.anchored import AnchoredLaw, anchor_points
 from dualarm_pin.search.coarse import coarse_of
-from dualarm_pin.search.starts import common_postures, generator, independent_postures
-from dualarm_pin.search.whole_path import WholePathSearch
+from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.search.whole_path import WholePathLaw
 from dualarm_pin.search.workers import Workers
 from dualarm_pin.solution import Solutions, same_path
-from dualarm_pin.task import Task
 
 
 @pytest.fixture(scope="module")
 def problem() -> Problem:
-    whole = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
-    return whole.subset(range(0, 31, 5), 3.0)
+    return paper_case.problem().subset(range(0, 31, 5), 3.0)
 
 
 def test_starts_lie_within_bounds_and_depend_on_the_seed_alone() -> None:
@@ -37,8 +35,6 @@ def test_starts_lie_within_bounds_and_depend_on_the_seed_alone() -> None:
     np.testing.assert_array_equal(common, common_postures(lower, upper, 5, 50, generator(3, 1)))
     assert not np.array_equal(common, common_postures(lower, upper, 5, 50, generator(3, 2)))
     assert not np.array_equal(common, common_postures(lower, upper, 5, 50, generator(4, 1)))
-    independent = independent_postures(lower, upper, 5, 50, generator(3, 1))
-    assert np.ptp(independent, axis=1).min() > 0.0
 
 
 @pytest.mark.parametrize(
@@ -49,30 +45,25 @@ def test_anchors_are_first_middle_and_last(k: int, points: tuple[int, ...]) -> N
 
 
 def test_the_anchored_law_counts_every_posture_once(problem: Problem) -> None:
-    search = AnchoredSearch(problem, seed=0)
-    search.grow(40, 4, 2)
-    drawn = search.starts_by_path()
-    assert drawn is not None
-    starts, ends, weight = drawn
-    assert starts == 3 * 40
-    assert len(ends) == len(weight) == 2
-    assert 0 < weight.sum() < starts
-    search.refine_all(40)
-    drawn = search.starts_by_path()
-    assert drawn is not None
-    ends_alone = [anchor.alone for anchor in search.anchors if anchor.alone is not None]
+    search = AnchoredLaw(problem, seed=0)
+    search.scout(40, 4, 2)
+    drawn = search.drawn()
+    assert drawn.starts == 3 * 40
+    assert len(drawn.ends) == len(drawn.weight) == 2
+    assert 0 < drawn.weight.sum() < drawn.starts
+    search.grow(40)
+    ends_alone = [anchor.alone for anchor in search.anchors]
     alone = sum(int((ends.converged & ~ends.saddle).sum()) for ends in ends_alone)
-    assert drawn[2].sum() == alone  # every posture that reached its anchor leads somewhere
+    # Every posture that reached its anchor leads somewhere.
+    assert search.drawn().weight.sum() == alone
 
 
 def test_growing_keeps_what_was_found_and_refines_nothing_twice(problem: Problem) -> None:
-    search = AnchoredSearch(problem, seed=1)
-    search.grow(20, 5, 3)
-    first = search.paths
-    search.grow(60, 10, 6)
-    second = search.paths
-    assert first is not None
-    assert second is not None
+    search = AnchoredLaw(problem, seed=1)
+    search.scout(20, 5, 3)
+    first = search.drawn().ends
+    search.scout(60, 10, 6)
+    second = search.drawn().ends
     np.testing.assert_array_equal(second.q[: len(first)], first.q)
     assert len(first) == 3
     assert 3 < len(second) <= 6 + 3
@@ -81,8 +72,25 @@ def test_growing_keeps_what_was_found_and_refines_nothing_twice(problem: Problem
             assert not any(same_path(a.q, b.q) for b in anchor.seeds[:i])
 
 
-def test_the_coarse_path_stands_for_the_whole(problem: Problem) -> None:
-    whole = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml").problem()
+def test_a_later_seed_in_a_refined_coarse_basin_has_its_path(problem: Problem) -> None:
+    search = AnchoredLaw(problem, seed=1)
+    search.scout(20, 5, 3)
+    search.scout(60, 10, 6)
+    search.scout(120, 30, 6)
+    seeds = [seed for anchor in search.anchors for seed in anchor.seeds]
+    joined = 0
+    for a in seeds:
+        for b in seeds:
+            if a.coarse < b.coarse and same_path(
+                search._screened.q[a.coarse], search._screened.q[b.coarse]
+            ):
+                assert search._path(a) == search._path(b)
+                joined += search._path(a) is not None
+    assert joined >= 3
+
+
+def test_the_coarse_path_stands_for_the_whole() -> None:
+    whole = paper_case.problem()
     coarse = coarse_of(whole)
     assert coarse.points[0] == 0
     assert coarse.points[-1] == 30
@@ -96,20 +104,18 @@ def test_the_coarse_path_stands_for_the_whole(problem: Problem) -> None:
 
 
 def test_both_laws_are_counted_against_the_best(problem: Problem) -> None:
-    anchored, whole = AnchoredSearch(problem, seed=0), WholePathSearch(problem, seed=0)
-    anchored.refine_all(60)
+    anchored, whole = AnchoredLaw(problem, seed=0), WholePathLaw(problem, seed=0)
+    anchored.grow(60)
     whole.grow(80)
-    assert whole.ends is not None
-    ends = anchored.paths
-    assert ends is not None
-    best = ends.q[int(np.argmin(np.where(ends.converged, ends.objective, np.inf)))]
-    laws = count_laws(anchored, whole, best)
+    ends = whole.drawn().ends
+    best = anchored.drawn().best
+    laws = count_laws([anchored, whole], best)
     assert laws["whole path"].starts == 80
-    assert laws["whole path"].converged == int(whole.ends.converged.sum())
+    assert laws["whole path"].converged == int(ends.converged.sum())
     assert laws["anchored"].best_hits >= 1
-    by_hand = sum(same_path(q, best) for q in whole.ends.q[whole.ends.converged])
+    by_hand = sum(same_path(q, best) for q in ends.q[ends.converged])
     assert laws["whole path"].best_hits == by_hand
-    nowhere = count_laws(anchored, whole, best + 1.0)
+    nowhere = count_laws([anchored, whole], best + 1.0)
     assert all(law.best_hits == 0 for law in nowhere.values())
 
 
@@ -187,10 +193,10 @@ def test_starts_that_ctrl_c_cut_off_are_not_counted(
         return replace(ends, residual=residual, converged=ok, feasible=ok, interrupted=True)
 
     monkeypatch.setattr(engine, "solve_many", cut_off)
-    whole, anchored = WholePathSearch(problem, seed=0), AnchoredSearch(problem, seed=0)
+    whole, anchored = WholePathLaw(problem, seed=0), AnchoredLaw(problem, seed=0)
     with pytest.raises(KeyboardInterrupt):
         whole.grow(20)
-    assert whole.starts == 10
+    assert whole.drawn().starts == 10
     with pytest.raises(KeyboardInterrupt):
-        anchored.grow(20, 3, 2)
+        anchored.scout(20, 3, 2)
     assert sum(anchor.starts for anchor in anchored.anchors) == 30
