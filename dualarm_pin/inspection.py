@@ -83,6 +83,7 @@ def inspect(file: Path, overrides: Sequence[str] = (), *, allow_code: bool = Fal
 def _facts(task: Task) -> dict[str, Any]:
     path = task.path
     _, residual = _first_posture(task)
+    reached = residual < TOLERANCE.position
     return {
         "name": task.name,
         "points": path.h,
@@ -92,9 +93,7 @@ def _facts(task: Task) -> dict[str, Any]:
         "smoothness": task.smoothness,
         "Gamma": [point + 1 for point in task.Gamma],
         "first_point_error": residual,
-        "first_point": "reached"
-        if residual < TOLERANCE.position
-        else "not reached by random postures",
+        "first_point": "reached" if reached else "not reached by random postures",
     }
 
 

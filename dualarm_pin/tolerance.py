@@ -32,6 +32,7 @@ class Tolerance:
         unit: A quaternion or axis from a file may miss unit length by this much.
         orthonormal: Largest entry of R^T R - 1 of a rotation matrix that is still accepted.
         coincident: Points nearer than this are the same point [m].
+        parallel: Unit vectors are parallel or opposite if their cross product or sum is shorter.
         no_length: A vector shorter than this has no direction.
         fixed_joint: Bounds closer than this hold a joint at their middle [rad or m].
         row: Largest violation of a constraint row of a found result, in the unit of the row.
@@ -57,6 +58,7 @@ class Tolerance:
     unit: float = 1e-3
     orthonormal: float = 1e-4
     coincident: float = 1e-9
+    parallel: float = 1e-6
     no_length: float = 1e-12
     fixed_joint: float = 1e-9
     row: float = 1e-6

@@ -204,7 +204,7 @@ class Workspace(NamedTuple):
     best: Iterate
 
 
-FILTER_SIZE = 500
+FILTER_SIZE = 500  # pairs; more than a start has iterations, so that none is dropped
 
 for _record in (Scratch, Iterate, Workspace):
     by_reference(_record, _record._fields)

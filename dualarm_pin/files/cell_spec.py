@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field, model_validator
 from dualarm_pin.files.source import Spec
 
 Vector = tuple[float, float, float]
+_ORTHONORMAL = 1e-6  # R R^T - 1 of a rotation that is used as it is written
 
 
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
@@ -50,7 +51,7 @@ def _check_rotation(R: tuple[Vector, Vector, Vector]) -> None:
     for i in range(3):
         for j in range(3):
             dot = sum(R[i][k] * R[j][k] for k in range(3))
-            if abs(dot - (i == j)) > 1e-6:
+            if abs(dot - (i == j)) > _ORTHONORMAL:
                 raise ValueError("rotation is not a rotation matrix: its rows are not orthonormal")
     a, b, c = R
     det = sum(a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2]) for i in range(3))

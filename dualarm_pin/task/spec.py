@@ -13,7 +13,7 @@ from dualarm_pin.path.spec import PathSpec
 
 
 class SmoothnessSpec(Spec):
-    """lambda of (19), how joints count in a step, and whether lambda follows the arc length."""
+    """lambda of (eq. 19), how joints count in a step, and whether lambda follows the arc length."""
 
     weight: Weight = 3.0
     metric: Literal["equal", "velocity"] | list[Weight] = "equal"
@@ -34,7 +34,7 @@ class TaskSpec(Spec):
         cell: A cell file, or a cell.
         path: One curve, and how the tool is held along it.
         index: What is minimised at each point.
-        smoothness: lambda of (19), or more about it.
+        smoothness: lambda of (eq. 19), or more about it.
         two_stage: The paper's first stage.
         method: How to plan it where the caller does not say: a name, or `call`.
         solver: The solver of that method: a name, or `call`.

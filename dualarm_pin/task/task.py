@@ -25,7 +25,7 @@ from dualarm_pin.solvers.solver import Solver
 from dualarm_pin.task.load import parts_of_task
 
 Array = NDArray[np.float64]
-LEAST_POINTS = 2
+LEAST_POINTS = 2  # one alone is no path
 
 
 @dataclass(frozen=True, eq=False)

@@ -144,7 +144,10 @@ def _append(moves: list[Move], move: Move, file: str | FilePath) -> None:
         moves.append(move)
         return
     normal = move.piece.normal
-    if normal is not None and np.ptp(normal(np.array([0.0, 1.0])), axis=0).max() > 1e-9:
+    if (
+        normal is not None
+        and np.ptp(normal(np.array([0.0, 1.0])), axis=0).max() > TOLERANCE.coincident
+    ):
         message = "the tool turns on the spot: a path from APT needs a distance between its points"
         raise InputError(message, file=file, line=move.line)
 

@@ -39,6 +39,7 @@ _SILENT = set("FSTNMHDPQEO")
 _CALLS = {96.0, 97.0, 98.0, 99.0}
 _EXPONENT = re.compile(r"\d[eE][+-]?\d")
 _ARC_RADIUS = 5e-5  # start and end radius may differ by the last digit written [m]
+_ARC_SHARE = 1e-3  # ... and by this share of the radius, as controllers allow
 
 
 def read_gcode(
@@ -189,7 +190,9 @@ class _Machine:
         center = self.at + self._to_center(way - rise, values, sign)
         x = self.at - center
         end = stop - rise - center
-        if abs(np.linalg.norm(x) - np.linalg.norm(end)) > _ARC_RADIUS + 1e-3 * np.linalg.norm(x):
+        if abs(np.linalg.norm(x) - np.linalg.norm(end)) > _ARC_RADIUS + _ARC_SHARE * np.linalg.norm(
+            x
+        ):
             raise self._error(
                 f"the arc starts {np.linalg.norm(x):.5g} m from its centre and ends "
                 f"{np.linalg.norm(end):.5g} m from it: check I, J, K"

@@ -9,8 +9,8 @@ from pathlib import Path as FilePath
 from dualarm_pin.errors import InputError, MissingFileError
 from dualarm_pin.path.generators.piece import Piece
 
-INCH = 0.0254
-MILLIMETRE = 0.001
+INCH = 0.0254  # m
+MILLIMETRE = 0.001  # m
 
 
 @dataclass(frozen=True, eq=False)

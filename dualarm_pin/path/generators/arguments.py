@@ -22,7 +22,7 @@ Points3: TypeAlias = Annotated[ArrayLike, InFile(list[Vector])]
 _Share = Annotated[int, Field(ge=0, le=1_000_000)]
 Shares: TypeAlias = Annotated[Sequence[int] | int | None, InFile(list[_Share] | Count | None)]
 """A number of points for each part of a curve, or one for all of it."""
-_LARGEST = 1e6
+_LARGEST = 1e6  # m; more is a slip of the pen
 
 
 def positive(**lengths: float) -> None:

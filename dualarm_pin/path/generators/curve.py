@@ -12,6 +12,7 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path.generators.piece import Piece
+from dualarm_pin.tolerance import TOLERANCE
 
 SHARP = math.radians(20.0)
 """A curve that turns by more at one place has a corner there, and the corner gets a point."""
@@ -125,7 +126,9 @@ def _mean(arrives: Array, leaves: Array) -> Array:
     """Return the unit mean of two directions, or the second where they are opposite."""
     mean = arrives + leaves
     length = np.linalg.norm(mean, axis=1, keepdims=True)
-    return np.where(length > 1e-6, mean / np.maximum(length, 1e-6), leaves)
+    return np.where(
+        length > TOLERANCE.parallel, mean / np.maximum(length, TOLERANCE.parallel), leaves
+    )
 
 
 def _end_tangents(pieces: Sequence[Piece]) -> tuple[Array, Array]:

@@ -14,6 +14,7 @@ from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.path.generators.curve import Samples, sample
 from dualarm_pin.path.generators.piece import Piece
 from dualarm_pin.path.path import POSITION_ONLY, SPIN_FREE, WHOLE_POSE, Path
+from dualarm_pin.tolerance import TOLERANCE
 
 Orientation: TypeAlias = Literal["constant", "tangent", "normal", "normal_tangent"]
 Free: TypeAlias = Literal["none", "spin", "rotation"]
@@ -22,6 +23,9 @@ FACING: tuple[tuple[float, ...], ...] = ((1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0
 """The paper's rotation: the tools face each other, z of e2 against z of e1."""
 
 ROWS: dict[Free, int] = {"none": WHOLE_POSE, "spin": SPIN_FREE, "rotation": POSITION_ONLY}
+
+# 1 + cosine of two directions; nearer, the smallest turn between them is lost in rounding.
+_OPPOSITE = 1e-9
 
 
 class Hold(TypedDict, total=False):
@@ -149,7 +153,7 @@ def _axes(x: Array, z: Array) -> Array:
     """Return rotations whose x is `x` and whose z is as near to `z` as that allows."""
     y = np.cross(z, x)
     length = np.linalg.norm(y, axis=1)
-    parallel = np.flatnonzero(length < 1e-6)
+    parallel = np.flatnonzero(length < TOLERANCE.parallel)
     if len(parallel):
         raise InputError(
             f"point {parallel[0] + 1}: the curve runs along the tool's z: its x cannot follow it; "
@@ -163,7 +167,7 @@ def _axes(x: Array, z: Array) -> Array:
 def _shortest(start: Array, stop: Array) -> Array:
     """Return the rotations by the smallest angle from unit `start` (3,) to each unit `stop`."""
     cosine = stop @ start
-    opposite = np.flatnonzero(cosine < -1.0 + 1e-9)
+    opposite = np.flatnonzero(cosine < -1.0 + _OPPOSITE)
     if len(opposite):
         raise InputError(
             f"point {opposite[0] + 1}: the surface faces the tool from behind, so the turn from "
