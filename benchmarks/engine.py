@@ -18,7 +18,7 @@ import numpy as np
 
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.files.resources import urdf_folder
-from dualarm_pin.planners import plan_global
+from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solution import distinct

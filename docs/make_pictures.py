@@ -20,7 +20,7 @@ from playwright.sync_api import Browser, sync_playwright
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.paper import RANDOM_STARTS, reproduce
-from dualarm_pin.planners import plan_global
+from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.show import plots, write_player
 from dualarm_pin.show.plots.style import dress
 from dualarm_pin.task import Task

@@ -20,8 +20,10 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text
-from dualarm_pin.planners import plan_global, plan_local, plan_two_stage, polish
+from dualarm_pin.planners.local import plan_local
+from dualarm_pin.planners.two_stage import plan_two_stage
 from dualarm_pin.planners.unreachable import feasible_postures
+from dualarm_pin.planners.whole_path import plan_global, polish
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.starts import generator
 from dualarm_pin.search.workers import Workers

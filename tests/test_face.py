@@ -67,3 +67,8 @@ def test_the_import_loads_nothing_of_the_package() -> None:
 )
 def test_what_a_plan_needs_loads_no_compiler_viewer_or_plot(names: str) -> None:
     assert not loaded_by(f"import dualarm_pin as dp; {names}") & HEAVY
+
+
+def test_one_planner_does_not_load_the_others() -> None:
+    loaded = loaded_by("import dualarm_pin as dp; dp.plan_global")
+    assert not loaded & {"nlopt", "quadprog", "dualarm_pin.planners.local"}

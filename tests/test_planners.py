@@ -12,9 +12,10 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verify
 from dualarm_pin.errors import UnknownNameError
 from dualarm_pin.path.paths import corner
-from dualarm_pin.planners import plan_local, plan_two_stage, polish
+from dualarm_pin.planners.local import plan_local
 from dualarm_pin.planners.methods import plan
-from dualarm_pin.planners.two_stage import _gaps
+from dualarm_pin.planners.two_stage import _gaps, plan_two_stage
+from dualarm_pin.planners.whole_path import polish
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -174,7 +175,7 @@ def test_ctrl_c_keeps_what_is_finished(short: Task, monkeypatch: pytest.MonkeyPa
 def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
     task: Task, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    from dualarm_pin.planners import plan_global
+    from dualarm_pin.planners.whole_path import plan_global
     from dualarm_pin.solvers import interior_point as engine
 
     batches = 0

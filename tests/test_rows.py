@@ -135,7 +135,7 @@ def task() -> Task:
 
 @pytest.mark.parametrize("z", BEST)
 def test_the_best_known_paths_with_the_first_tip_held_up(task: Task, z: float | None) -> None:
-    from dualarm_pin.planners import plan_global
+    from dualarm_pin.planners.whole_path import plan_global
 
     rows = () if z is None else (above("arm1/tip", z),)
     best = plan_global(replace(task, rows=rows), effort="quick", seed=1)
@@ -147,7 +147,7 @@ def test_the_best_known_paths_with_the_first_tip_held_up(task: Task, z: float | 
 
 def test_evidence_reads_the_rows(task: Task) -> None:
     """At the constrained optimum the row holds with a multiplier, and without it no minimum."""
-    from dualarm_pin.planners import plan_global
+    from dualarm_pin.planners.whole_path import plan_global
 
     held = replace(task, rows=(above("arm1/tip", 0.6),))
     best = plan_global(held, effort="quick", seed=0)

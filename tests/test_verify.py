@@ -10,7 +10,7 @@ import pytest
 from answers import answer, task
 
 from dualarm_pin.answer.summary import summary
-from dualarm_pin.planners import plan_global, polish
+from dualarm_pin.planners.whole_path import plan_global, polish
 from dualarm_pin.solvers import interior_point as engine
 
 

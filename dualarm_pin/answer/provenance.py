@@ -5,7 +5,6 @@ from __future__ import annotations
 import platform
 import time
 from dataclasses import dataclass
-from importlib.metadata import PackageNotFoundError, version
 
 from dualarm_pin import __version__
 
@@ -44,6 +43,8 @@ class Clock:
 
 def versions() -> dict[str, str]:
     """Return the versions that make a result."""
+    from importlib.metadata import PackageNotFoundError, version
+
     found = {"dualarm-pin": __version__, "python": platform.python_version()}
     for name in _LIBRARIES:
         try:
