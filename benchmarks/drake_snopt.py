@@ -11,8 +11,8 @@ import numpy as np
 from dualarm_pin.engine.solve import evaluate
 from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.problem import Problem
+from dualarm_pin.reference import violation
 from dualarm_pin.solution import Solution
-from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.tolerance import TOLERANCE
 
 
@@ -31,18 +31,17 @@ def snopt_solver(problem: Problem) -> Callable[[Problem, np.ndarray], Solution]:
     def with_slope(x: np.ndarray, value: np.ndarray, slope: np.ndarray) -> Any:
         return InitializeAutoDiff(value, slope @ ExtractGradient(x))
 
-    whole = engine.data_of(problem)
-    alone = [engine.data_of(problem.subset([i], 0.0)) for i in range(problem.k)]
+    alone = [problem.window(i, 1) for i in range(problem.k)]
 
     def cost(x: np.ndarray) -> Any:
         at = ExtractValue(x).reshape(problem.k, problem.n)
-        found = evaluate(whole, at)
+        found = evaluate(problem, at)
         return with_slope(x, np.array([found.objective]), found.gradient.reshape(1, -1))[0, 0]
 
     def rows(i: int) -> Callable[[np.ndarray], Any]:
         def row(x: np.ndarray) -> Any:
             found = evaluate(alone[i], ExtractValue(x).reshape(1, -1))
-            count = int(problem.rows[i])
+            count = int(problem.row_count[i])
             value, slope = found.residual[0, :count], found.jacobian[0, :count]
             return with_slope(x, value, slope).ravel()
 
@@ -52,7 +51,7 @@ def snopt_solver(problem: Problem) -> Callable[[Problem, np.ndarray], Solution]:
     x = programme.NewContinuousVariables(problem.k, problem.n)
     programme.AddCost(cost, x.ravel())
     for i in range(problem.k):
-        zero = np.zeros(int(problem.rows[i]))
+        zero = np.zeros(int(problem.row_count[i]))
         programme.AddConstraint(rows(i), zero, zero, x[i])
     programme.AddBoundingBoxConstraint(
         np.tile(problem.lower, problem.k), np.tile(problem.upper, problem.k), x.ravel()
@@ -66,7 +65,7 @@ def snopt_solver(problem: Problem) -> Callable[[Problem, np.ndarray], Solution]:
         answer = solver.Solve(programme, programme.initial_guess())
         wall = time.perf_counter() - begun
         q = np.clip(answer.GetSolution(x).reshape(start.shape), problem.lower, problem.upper)
-        residual = float(np.max(np.abs(problem.residual(q))))
+        residual = violation(problem, q)
         return Solution(
             q=q,
             objective=problem.objective(q),

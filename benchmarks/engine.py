@@ -30,12 +30,11 @@ REPEATS = 7
 
 
 def timed(problem: Problem, start: np.ndarray, **how: object) -> tuple[float, object]:
-    """Return the best of several times of one solve [s], arrays of the problem made before."""
-    data = engine.data_of(problem)
+    """Return the best of several times of one solve [s]."""
     best, outcome = np.inf, None
     for _ in range(REPEATS):
         begun = time.perf_counter()
-        outcome = solve(data, start, **how)  # type: ignore[arg-type]
+        outcome = solve(problem, start, **how)  # type: ignore[arg-type]
         best = min(best, time.perf_counter() - begun)
     return best, outcome
 
@@ -64,7 +63,7 @@ def main() -> None:
     best = plan_global(task, effort="quick", seed=0)
     _, cold = timed(problem, best.q, options=Options(tolerance=1e-9))
     moved = Task.load(TASK, ["cell.arms.arm2.base.xyz=[2.51, 0, 0]"]).problem()
-    seconds, warm = timed(moved, cold.q, warm=cold)  # type: ignore[attr-defined]
+    seconds, warm = timed(moved, cold.q, warm=cold.multipliers)  # type: ignore[attr-defined]
     print(
         f"warm re-solve, base moved by 1 cm: {1e3 * seconds:.2f} ms, {warm.iterations} iterations"  # type: ignore[attr-defined]
     )
@@ -92,7 +91,8 @@ def main() -> None:
 
     with tempfile.TemporaryDirectory() as folder:
         code = (
-            "from dualarm_pin.engine.ready import ensure_compiled; print(ensure_compiled().seconds)"
+            "from dualarm_pin.engine.jit.compilation import ensure_compiled; "
+            "print(ensure_compiled().seconds)"
         )
         environment = os.environ | {"NUMBA_CACHE_DIR": folder}
         first = subprocess.run(

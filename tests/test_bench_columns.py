@@ -31,7 +31,7 @@ def suite(tmp_path):
     methods = [{"call": "bench_fakes:quick", "name": "a"}, {"call": "bench_fakes:fail"}]
     file = tmp_path / "suite.yaml"
     file.write_text(json.dumps({"tasks": [str(TASK)], "methods": methods, "seeds": 2}))
-    return Suite.load(file)
+    return Suite.load(file, allow_code=True)
 
 
 def test_one_entry_adds_a_column_to_rows_tables_gates_and_report(tmp_path, suite, monkeypatch):
