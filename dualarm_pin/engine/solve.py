@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import checked, finite
-from dualarm_pin.chain import Floats, Integers
+from dualarm_pin.chain import VARIABLE, Floats, Integers
 from dualarm_pin.engine import entries
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
 from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
@@ -213,6 +213,20 @@ def evaluate(
         stiffness=work.stiffness,
         J_r=J_r,
     )
+
+
+def kinematics(problem: Problem, q: Floats) -> tuple[Floats, float]:
+    """Return J_r (6, n) and the largest pose residual at q (n,) of a problem of one point.
+
+    By the entry that solves, so that nothing else is loaded.
+    """
+    end = solve(problem, q[None], Options(iterations=0, push=TOLERANCE.no_length))
+    chain, work = problem.chain, _workspace(problem.scaled())
+    columns = np.vstack([work.columns[0], work.axes[0]]) * chain.scale
+    J_r = np.zeros((6, problem.n))
+    for e in np.flatnonzero(chain.role == VARIABLE):
+        J_r[:, chain.source[e]] += columns[:, e]
+    return J_r, end.residual
 
 
 def usable_cores() -> int:
