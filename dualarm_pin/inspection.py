@@ -92,6 +92,7 @@ def _facts(task: Task) -> dict[str, Any]:
         "index": task.index.name,
         "smoothness": task.smoothness,
         "Gamma": [point + 1 for point in task.Gamma],
+        "constraints": [row.name for row in task.rows],
         "first_point_error": residual,
         "first_point": "reached" if reached else "not reached by random postures",
     }

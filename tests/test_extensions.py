@@ -1,7 +1,7 @@
-"""What a user adds: an index, a path, a solver, a planner, each here and nowhere else.
+"""What a user adds: an index, a row, a path, a solver, a planner, each here and nowhere else.
 
 Each is used from Python and from a task file that names it with `call: module:function`, beside a
-file whose module holds the same few lines. Rows go the same way: `Task(..., rows=[...])`.
+file whose module holds the same few lines.
 """
 
 from __future__ import annotations
@@ -28,6 +28,20 @@ def press(weight=1.0):
     def phi(A, u):
         return np.dot(u, np.dot(A, u)) + weight * A[2, 2]
     return dp.indices.custom("press", phi)
+
+
+def apart(distance):
+    """A row: the tips stay at least so far from each other, squared so that it is smooth."""
+    def phi(R, p, parameters):
+        return np.dot(p, p) - parameters[0] ** 2
+    return dp.rows.Row("tips apart", "arm1/tip", "arm2/tip", phi, parameters=[distance])
+
+
+def level(**how):
+    """A row in the world: hand 1 at one height, an equality."""
+    def phi(R, p, parameters):
+        return p[2] - parameters[0]
+    return dp.rows.Row("level", "world", "arm1/tip", phi, parameters=[0.7], equality=True, **how)
 
 
 def zigzag(width, *, height=0.3, points=5, **how):
@@ -122,6 +136,30 @@ def test_an_index(mine: Path) -> None:
 def test_an_index_along_a_direction(mine: Path) -> None:
     file = write(mine, index='{call: "my_code:press", direction: [0, 0, 2]}')
     assert dp.Task.load(file, allow_code=True).path.u[0].tolist() == [0, 0, 1, 0, 0, 0]
+
+
+def test_a_row(mine: Path) -> None:
+    space = own(mine)
+    rows = (space["apart"](0.1), space["level"]())  # type: ignore[operator]
+    python = dp.plan_global(task_in_python(rows=rows), effort="quick", seed=0)
+    calls = "[{call: 'my_code:apart', distance: 0.1}, {call: 'my_code:level', points: [2, 4]}]"
+    task = dp.Task.load(write(mine, constraints=calls), allow_code=True)
+    assert [row.name for row in task.rows] == ["tips apart", "level"]
+    assert task.rows[1].points == (1, 3)
+    file = dp.plan_global(task, effort="quick", seed=0)
+    assert python.found
+    assert file.found
+    assert np.abs(python.checked.rows[1].value).max() < 1e-6
+    heights = [p.translation[2] for p in (_tip(task, q) for q in file.q)]
+    np.testing.assert_allclose([heights[1], heights[3]], 0.7, atol=1e-6)
+    assert abs(heights[0] - 0.7) > 1e-4
+    assert file.objective < python.objective
+
+
+def _tip(task: dp.Task, q: np.ndarray) -> object:
+    from dualarm_pin.rows.row import world_pose
+
+    return world_pose(task.cell, "arm1/tip", q)
 
 
 def test_a_path(mine: Path) -> None:

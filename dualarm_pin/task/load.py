@@ -18,6 +18,7 @@ from dualarm_pin.indices.spec import IndexSpec, load_index
 from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
 from dualarm_pin.path.load import load_path
+from dualarm_pin.rows.spec import load_rows
 from dualarm_pin.task.record import task_record
 from dualarm_pin.task.spec import SmoothnessSpec, TaskSpec
 
@@ -59,6 +60,7 @@ def parts_of_task(
             "Gamma": _Gamma(spec.two_stage.Gamma, path),
             "metric": _metric(smooth, cell),
             "per_arc_length": smooth.per_arc_length,
+            "rows": load_rows(spec.constraints, source, cell, path.h),
             "method": _named_or_own(spec.method, source, "method"),
             "solver": _named_or_own(spec.solver, source, "solver"),
             "name": source.path.stem,

@@ -10,6 +10,7 @@ from dualarm_pin.files.call import CallSpec
 from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec, Weight
 from dualarm_pin.path.spec import PathSpec
+from dualarm_pin.rows.spec import RowSpec
 
 
 class SmoothnessSpec(Spec):
@@ -36,6 +37,7 @@ class TaskSpec(Spec):
         index: What is minimised at each point.
         smoothness: lambda of (eq. 19), or more about it.
         two_stage: The paper's first stage.
+        constraints: What must hold at points of the path beside the pose.
         method: How to plan it where the caller does not say: a name, or `call`.
         solver: The solver of that method: a name, or `call`.
         module_dirs: Further folders in which the modules of `call` are found.
@@ -46,6 +48,7 @@ class TaskSpec(Spec):
     index: IndexSpec = IndexSpec.model_validate("force")
     smoothness: Weight | SmoothnessSpec = 3.0
     two_stage: TwoStageSpec = TwoStageSpec()
+    constraints: list[RowSpec] = Field(default_factory=list)
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)
