@@ -25,6 +25,7 @@ from dualarm_pin.tolerance import TOLERANCE
 
 _FEASIBLE = TOLERANCE.position / 10.0
 _CHUNKS_PER_JOB = 8  # small enough that no thread waits long for the slowest chunk
+_FEW = 64  # points in all: done in a few milliseconds
 
 
 @dataclass(frozen=True)
@@ -146,6 +147,7 @@ def solve_many(
     jobs: int | None = None,
     points: ArrayLike | None = None,
     neighbours: ArrayLike | None = None,
+    linked: tuple[bool, bool] = (True, True),
     interrupt: Integers | None = None,
 ) -> Solutions:
     """Solve from many starts over threads; the result does not depend on their number.
@@ -159,6 +161,7 @@ def solve_many(
             point alone if k is 1), with their links. 0 by default.
         neighbours: (s, 2, n) fixed postures before and after the points of every start, which
             then count as their links do. The problem's own by default, where the path ends.
+        linked: Whether the one before counts, and the one after.
         interrupt: (1,) integer array; set to 1 by anyone, it ends the batch before the next start.
             Ctrl-C does the same. What is finished is kept, the rest was not run.
 
@@ -179,7 +182,7 @@ def solve_many(
             field="points",
         )
     ends = None if neighbours is None else checked("neighbours", neighbours, (s, 2, problem.n))
-    rows = _Batch(problem, q, ends, interrupt)
+    rows = _Batch(problem, q, ends, linked, interrupt)
     rows.run_over_threads(first, jobs or usable_cores(), (options or Options()).settings())
     return rows.result()
 
@@ -242,10 +245,11 @@ class _Batch:
         problem: Problem,
         q: Floats,
         neighbours: Floats | None = None,
+        linked: tuple[bool, bool] = (True, True),
         interrupt: Integers | None = None,
     ) -> None:
         self.problem, self.q = problem, q
-        self.linked = neighbours is not None
+        self.linked = (False, False) if neighbours is None else linked
         own = problem.neighbours.posture[None].copy()
         self.neighbours = own if neighbours is None else neighbours
         self.codes = np.full((len(q), 3), [NOT_RUN, 0, 0], dtype=np.int64)
@@ -284,9 +288,11 @@ class _Batch:
             window = scaled.window(int(point), k, linked=self.linked)
             items = np.flatnonzero(first == point)
             chunks = max(1, min(len(items), jobs * _CHUNKS_PER_JOB))
+            chunks = 1 if len(self.q) * k <= _FEW else chunks
             pieces += [(window, chunk) for chunk in np.array_split(items, chunks)]
-        if len(self.q) == 1:
-            self._run_piece(*pieces[0], settings)
+        if len(self.q) * k <= _FEW:  # done sooner than threads are started
+            for piece in pieces:
+                self._run_piece(*piece, settings)
             return
         with ThreadPoolExecutor(jobs) as pool:
             running: list[Future[None]] = []

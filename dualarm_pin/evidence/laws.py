@@ -1,4 +1,4 @@
-"""Counts of the two start laws, what they say, and when they suffice.
+"""Counts of the start laws, what they say, and when they suffice.
 
 "Best value hit k times" alone is a bad rule: a worse minimum often draws ten times the starts of
 the best. Two different laws must agree, each with enough starts and hits. Statistics of one law
@@ -66,17 +66,16 @@ def count(drawn: Drawn, best: Array) -> LawCount:
 
 
 def laws_suffice(laws: dict[str, LawCount]) -> bool:
-    """Tell whether both laws made enough starts and hit the best often enough."""
-    return len(laws) == 2 and all(
-        law.starts >= LEAST_STARTS and law.best_hits >= LEAST_HITS for law in laws.values()
-    )
+    """Tell whether two laws made enough starts and hit the best often enough."""
+    enough = [law.starts >= LEAST_STARTS and law.best_hits >= LEAST_HITS for law in laws.values()]
+    return sum(enough) >= 2
 
 
 def missed_share(laws: dict[str, LawCount]) -> float | None:
     """Return the share of starts that a better, reachable optimum stays under (95 %).
 
     Of n starts none hit a better optimum; one that draws more than 1 - 0.05^(1/n), about 3/n, of
-    them would have been missed with less than 5 %. The weaker law counts.
+    them would have been missed with less than 5 %. The weaker of the two largest laws counts.
     """
-    counts = [law.starts for law in laws.values() if law.starts]
-    return 1.0 - 0.05 ** (1.0 / min(counts)) if len(counts) == 2 else None
+    counts = sorted(law.starts for law in laws.values() if law.starts)
+    return 1.0 - 0.05 ** (1.0 / counts[-2]) if len(counts) >= 2 else None

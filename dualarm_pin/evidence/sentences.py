@@ -11,7 +11,7 @@ from dualarm_pin.answer.evidence import Bound, LawCount, LocalCheck
 from dualarm_pin.evidence.laws import LEAST_HITS, LEAST_STARTS
 
 STOPPING_RULE = (
-    f"stop when both ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
+    f"stop when two ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
     f"published number), end at the same best path, and each found it at least {LEAST_HITS} "
     "times; if the bound is requested, go on until the gap is under 0.1 % or the budget ends"
 )
@@ -29,15 +29,16 @@ def starts(laws: Mapping[str, LawCount], agree: bool, missed: float | None) -> s
             f"Best of {count} starts (one way, {name}), found {hits} times: this says nothing of "
             "paths that another way of starting would reach."
         )
+    ways = {2: "two", 3: "three"}.get(len(laws), str(len(laws))) + " ways"
     if not agree:
         by = ", ".join(f"{name} {law.best_hits} times" for name, law in laws.items())
         return (
-            f"Best of {count} starts (two ways), but not both ways found it ({by}): more starts "
+            f"Best of {count} starts ({ways}), but no two of them found it ({by}): more starts "
             "are needed."
         )
     share = "" if missed is None else _percent(missed)
     return (
-        f"Best of {count} starts (two ways), found {hits} times: better paths that these starts "
+        f"Best of {count} starts ({ways}), found {hits} times: better paths that these starts "
         f"can reach draw under {share} of them (95 %)."
     )
 

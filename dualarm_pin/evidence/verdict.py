@@ -32,7 +32,7 @@ class Findings:
 
     @property
     def starts_suffice(self) -> bool:
-        """Whether both laws agree, each with enough starts and hits."""
+        """Whether two laws agree, each with enough starts and hits."""
         return self.agree and laws_suffice(self.laws)
 
     @property
@@ -75,7 +75,7 @@ def conclude(findings: Findings) -> Evidence:
         verdict=verdict(findings),
         laws=dict(laws),
         missed_share_95=missed,
-        laws_agree=findings.agree if len(laws) == 2 else None,
+        laws_agree=findings.agree if len(laws) >= 2 else None,
         stopping_rule=sentences.STOPPING_RULE,
         stopping_rule_met=met,
         local=local,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -18,7 +18,9 @@ from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.anchored import AnchoredLaw
-from dualarm_pin.search.law import Drawn
+from dualarm_pin.search.hops import Hops
+from dualarm_pin.search.law import Drawn, Law
+from dualarm_pin.search.track import Round, TrackLaw
 from dualarm_pin.search.whole_path import WholePathLaw
 from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
@@ -37,29 +39,33 @@ class Budget:
     """How far a search may go.
 
     Attributes:
-        postures: Postures an anchor in the first round; each round doubles them.
-        screened: Minima of an anchor solved on the coarse path; each round doubles them.
-        refinements: Distinct coarse minima refined on the whole path; each round doubles them.
-        rounds: Most rounds while the anchors disagree.
-        starts: Starts of each law, 0 for anchors alone.
-        most_starts: Starts of each law at most, while the laws disagree.
+        search: Work of rounds and hops while they are not settled, in seconds of a processor of
+            5 microseconds a point and iteration of 12 joints; counted, never timed, so that the
+            same seed gives the same answer.
+        starts: Starts of each further law at least, 0 for none.
+        most_starts: Starts of each of them at most, while the laws disagree.
+        starts_work: Work of these starts after which no more are made, counted likewise.
+        round: What a round draws and walks.
+        scout: Postures an anchor, minima screened, paths refined by the anchored law in `quick`.
         bound: Compute the lower bound.
     """
 
-    postures: int = 250
-    screened: int = 12
-    refinements: int = 3
-    rounds: int = 4
+    search: float = 0.8
     starts: int = 0
     most_starts: int = 0
+    starts_work: float = 0.0
+    round: Round = field(default_factory=Round)
+    scout: tuple[int, int, int] = (250, 12, 3)
     bound: bool = False
 
 
 BUDGETS: dict[str, Budget] = {
     "quick": Budget(),
-    "normal": Budget(starts=300, most_starts=1500),
-    "thorough": Budget(starts=1000, most_starts=4000, bound=True),
+    "normal": Budget(search=6.0, starts=300, most_starts=1500, starts_work=8.0),
+    "thorough": Budget(search=20.0, starts=1000, most_starts=4000, starts_work=60.0, bound=True),
 }
+_STEP = 100  # starts of each law between two looks at what they say
+_HOPS = 0.4  # share of the work that goes into hops
 
 
 def plan_global(
@@ -76,8 +82,8 @@ def plan_global(
 
     Args:
         task: What is asked.
-        effort: `quick` (anchors and check), `normal` (and starts by two laws) or `thorough` (and
-            the lower bound).
+        effort: `quick` (walks, hops and check), `normal` (more of them, and starts by two further
+            laws) or `thorough` (and the lower bound).
         solver: What takes each start to its minimum. The check and the bound have the compiled
             engine whatever this is.
         starts: Starts of each law; None takes those of the effort, growing while the laws
@@ -95,8 +101,14 @@ def plan_global(
 
     budget = BUDGETS[effort]
     if starts is not None:
-        budget = replace(budget, starts=starts if budget.starts else 0, most_starts=starts)
-        budget = replace(budget, postures=max(1, min(budget.postures, starts)))
+        postures, screened, refined = budget.scout
+        budget = replace(
+            budget,
+            starts=starts if budget.starts else 0,
+            most_starts=starts,
+            scout=(min(postures, starts), screened, refined),
+            round=Round(postures=min(Round().postures, starts)),
+        )
     problem = task.problem()
     clock = Clock.start()
     compile_s = engine.ensure_compiled(progress.line)
@@ -161,7 +173,7 @@ def polish(task: Task, q: Array, *, solver: Solver = ENGINE, seed: int | None = 
 
 
 class _Search:
-    """Both laws, as far as the budget goes."""
+    """Walks and hops until they are settled, then starts by further laws that must agree."""
 
     def __init__(
         self,
@@ -172,44 +184,87 @@ class _Search:
         solver: Solver,
         progress: Progress,
     ) -> None:
-        self.budget, self.progress = budget, progress
+        self.problem, self.budget, self.progress = problem, budget, progress
         self.anchored = AnchoredLaw(problem, seed, jobs=jobs, solver=solver)
-        self.laws = (self.anchored, WholePathLaw(problem, seed, jobs=jobs, solver=solver))
+        self.starting: tuple[Law, ...] = (
+            self.anchored,
+            WholePathLaw(problem, seed, jobs=jobs, solver=solver),
+        )
+        self.laws: tuple[Law, ...] = self.starting
+        self.track: TrackLaw | None = None
+        self.hops = Hops(problem, seed, jobs=jobs)
+        if solver is ENGINE:  # a walk needs fixed neighbours at every point
+            self.track = TrackLaw(problem, seed, jobs=jobs)
+            self.laws = (*self.starting, self.track)
 
     def run(self) -> None:
-        """Search until the anchors agree and, if asked, both laws have said enough."""
-        budget = self.budget
-        self.progress.stage("anchored starts", budget.rounds)
-        for level in range(budget.rounds):
-            self.anchored.scout(
-                budget.postures << level, budget.screened << level, budget.refinements << level
-            )
-            self.progress.advance()
-            if self.anchored.agree():
-                break
-        target = budget.starts
+        """Search as far as the budget goes.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C; what was finished is kept.
+        """
+        self._walk_and_hop()
+        target, step = min(_STEP, self.budget.starts), 0
         while target:
-            self.progress.stage(f"{target} starts by each of two laws", 2)
-            for law in self.laws:
+            step += 1
+            self.progress.stage(f"{target} starts by each of two laws", len(self.starting))
+            for law in self.starting:
                 law.grow(target)
                 self.progress.advance()
             best = self.best()
-            if best is None or target >= budget.most_starts:
+            spent = sum(self._work_of(law) for law in self.starting) * self._seconds
+            if best is None or target >= self.budget.most_starts:
                 break
-            if laws_suffice(count_laws(self.laws, best)):
+            if spent > self.budget.starts_work:
                 break
-            target = min(target + budget.starts, budget.most_starts)
+            enough = target >= self.budget.starts
+            if enough and laws_suffice(count_laws(self.laws, best)):
+                break
+            target = min(target + _STEP, self.budget.most_starts)
+
+    def _walk_and_hop(self) -> None:
+        track, budget = self.track, self.budget
+        self.progress.stage("paths walked from single points")
+        if track is not None:
+            track.round(budget.round)
+            if track.settled():
+                return
+        self.anchored.scout(*budget.scout)
+        if track is None or track.drawn() is None:
+            return
+        while (track.work + self.hops.work) * self._seconds < budget.search:
+            known = track.drawn()
+            assert known is not None
+            if self.hops.work < _HOPS * (track.work + self.hops.work):
+                self.hops.hop(Solutions.join([known.ends, *self._scouted()]))
+            else:
+                track.round(budget.round)
+            self.progress.advance()
+
+    def _scouted(self) -> list[Solutions]:
+        drawn = self.anchored.drawn()
+        return [] if drawn is None else [drawn.ends]
+
+    @property
+    def _seconds(self) -> float:
+        """Seconds a point and iteration, by the number of joints."""
+        return 1e-6 * (1.9 + 0.023 * self.problem.n**2)
+
+    def _work_of(self, law: Law) -> int:
+        drawn = law.drawn()
+        return 0 if drawn is None else int(drawn.ends.iterations.sum()) * self.problem.k
 
     def best(self) -> Array | None:
-        """Return the best path (k, n) of all starts so far."""
-        drawn = [each for law in self.laws if (each := law.drawn()) is not None]
-        if not drawn:
-            return None
-        return Drawn(0, Solutions.join([each.ends for each in drawn])).best
+        """Return the best path (k, n) of all starts and hops so far."""
+        ends = [each.ends for law in self.laws if (each := law.drawn()) is not None]
+        if self.hops.ends is not None:
+            ends.append(self.hops.ends)
+        return Drawn(0, Solutions.join(ends)).best if ends else None
 
     def agree(self, q: Array) -> bool:
-        """Tell whether both laws ended in the basin of q."""
-        return all(law.best_hits > 0 for law in count_laws(self.laws, q).values())
+        """Tell whether two laws, or the only one, ended in the basin of q."""
+        counts = count_laws(self.laws, q)
+        return sum(law.best_hits > 0 for law in counts.values()) >= min(2, len(counts))
 
 
 def _until_ctrl_c(work: Callable[[], None]) -> bool:

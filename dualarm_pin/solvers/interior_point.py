@@ -52,12 +52,15 @@ def solve_many(
     options: Options | None = None,
     points: ArrayLike | None = None,
     neighbours: ArrayLike | None = None,
+    linked: tuple[bool, bool] = (True, True),
 ) -> Solutions:
     """Minimise `problem` from many starts; see `dualarm_pin.engine.solve.solve_many`."""
     from dualarm_pin.engine.solve import solve_many as run
 
     compare(problem)
-    return run(problem, starts, options, jobs=jobs, points=points, neighbours=neighbours)
+    return run(
+        problem, starts, options, jobs=jobs, points=points, neighbours=neighbours, linked=linked
+    )
 
 
 def compare(problem: Problem) -> None:
