@@ -17,7 +17,7 @@ from dualarm_pin.solvers import interior_point as engine
 
 Array = NDArray[np.float64]
 
-_BATCH = 8
+_BATCH = 8  # hops that are solved together: enough for some threads
 _POOL = 12  # best distinct paths that hops start from, the best of them most often
 _WINDOWS = (0.25, 0.5, 1.0)  # share of the path that is walked anew
 _STEPS = (0.3, 3.0)  # rad in all joints together, between these evenly by logarithm
@@ -69,6 +69,8 @@ class Hops:
             self.problem, starts, jobs=self.jobs, options=Options(iterations=0, push=1e-6)
         )
         hopeful = np.flatnonzero(here.objective < lowest + (_HOPELESS - 1.0) * abs(lowest))
+        if here.interrupted:
+            raise KeyboardInterrupt
         if not len(hopeful):
             return
         ends = engine.solve_many(
@@ -94,6 +96,8 @@ class Hops:
         alone = Options(1e-4, _PROJECT if random.uniform() < 0.5 else _MINIMISE, 1e-2, 1e-3)
         ends = engine.solve_many(part, moved[:, None], jobs=self.jobs, points=at, options=alone)
         self.work += int(ends.iterations.sum())
+        if ends.interrupted:
+            raise KeyboardInterrupt
         walked, work = walk(part, at, ends.q[:, 0], jobs=self.jobs)
         self.work += work
         return walked

@@ -157,7 +157,8 @@ class TrackLaw:
         ends = self._solve(problem, paths[raced], iterations=_RACE_ITERATIONS, mu0=mu0, push=push)
         order = np.argsort(np.where(ends.residual < 1e-2, ends.objective, np.inf), kind="stable")
         chosen = raced[order[:_FINISHED]]
-        return chosen, self._solve(problem, paths[chosen], mu0=mu0, push=push)
+        whole = self.coarse is None
+        return chosen, self._solve(problem, paths[chosen], mu0=mu0, push=push, last=whole)
 
     def _on_the_whole_path(
         self, ends: Solutions, mu0: float, push: float
@@ -171,7 +172,7 @@ class TrackLaw:
         )
         starts = np.array([self.coarse.start(ends.q[end]) for end in kept])
         starts = starts.reshape(len(kept), self.problem.k, self.problem.n)
-        return self._solve(self.problem, starts, mu0=mu0, push=push), kept
+        return self._solve(self.problem, starts, mu0=mu0, push=push, last=True), kept
 
     def _solve(
         self,
@@ -183,6 +184,7 @@ class TrackLaw:
         iterations: int = 150,
         mu0: float = 0.1,
         push: float = 1e-2,
+        last: bool = False,
     ) -> Solutions:
         from dualarm_pin.engine.solve import Options
 
@@ -191,4 +193,6 @@ class TrackLaw:
             options = replace(options, tolerance=tolerance)
         ends = engine.solve_many(problem, starts, jobs=self.jobs, points=points, options=options)
         self.work += int(ends.iterations.sum()) * starts.shape[1]
+        if ends.interrupted and not last:
+            raise KeyboardInterrupt  # what is finished is no path of the law yet
         return ends
