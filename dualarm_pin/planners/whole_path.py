@@ -61,7 +61,7 @@ class Budget:
 
 BUDGETS: dict[str, Budget] = {
     "quick": Budget(),
-    "normal": Budget(search=6.0, starts=300, most_starts=1500, starts_work=8.0),
+    "normal": Budget(search=6.0, starts=300, most_starts=1500, starts_work=16.0),
     "thorough": Budget(search=20.0, starts=1000, most_starts=4000, starts_work=60.0, bound=True),
 }
 _STEP = 100  # starts of each law between two looks at what they say
