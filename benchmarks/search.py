@@ -1,0 +1,80 @@
+"""How near each effort comes to the best known path of every task, and what it costs.
+
+    python benchmarks/search.py --effort quick --seeds 5 --tasks b03,b04
+
+Prints one row a task: how many seeds end within 1e-4 of the best known value, how far the worst
+ends above it, and the median of the processor time. Fails if a seed finds better than
+`best_known.json`: then the table is to be raised, with `--raise`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import hashlib
+import json
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+import dualarm_pin as dp
+from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.solvers.interior_point import ensure_compiled
+
+TABLE = Path(__file__).with_name("best_known.json")
+NEAR = 1e-4
+TASKS = ["paper_corner", "circle", *(f"b{number:02d}" for number in range(1, 13))]
+
+
+def main() -> int:
+    """Run the table; return 1 if it has to be raised."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--effort", default="quick")
+    parser.add_argument("--seeds", type=int, default=5)
+    parser.add_argument("--first-seed", type=int, default=100)
+    parser.add_argument("--tasks", default=",".join(TASKS))
+    parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--raise", dest="raised", action="store_true")
+    given = parser.parse_args()
+    known = json.loads(TABLE.read_text(encoding="utf-8"))
+    ensure_compiled(print)
+    better = False
+    print("| task | best known | within 1e-4 | above it by seed [%] | processor [s] | verdicts |")
+    print("|---|---|---|---|---|---|")
+    for name in given.tasks.split(","):
+        task = dp.Task.load(urdf_folder() / "tasks" / f"{name}.yaml")
+        best, values, seconds, verdicts = known[name]["objective"], [], [], []
+        for seed in range(given.first_seed, given.first_seed + given.seeds):
+            begun = time.process_time()
+            answer = dp.plan_global(task, effort=given.effort, seed=seed, jobs=given.jobs)
+            seconds.append(time.process_time() - begun)
+            values.append(answer.objective if answer.found else np.inf)
+            verdicts.append(answer.evidence.verdict if answer.evidence else "none")
+            if values[-1] < known[name]["objective"] * (1.0 - NEAR):
+                better = True
+                known[name] = entry(answer, f"{given.effort}, seed {seed}")
+        above = np.sort(100.0 * (np.array(values) / best - 1.0))
+        print(
+            f"| {name} | {best:.6f} | {np.sum(above < 100.0 * NEAR)} of {len(above)} | "
+            f"{' '.join(f'{value:.2f}' for value in above)} | {np.median(seconds):.2f} | "
+            f"{', '.join(f'{v} {verdicts.count(v)}' for v in sorted(set(verdicts)))} |",
+            flush=True,
+        )
+    if better and given.raised:
+        TABLE.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
+    return int(better)
+
+
+def entry(answer: dp.Trajectory, how: str) -> dict[str, object]:
+    """Return what the table keeps of a path."""
+    return {"objective": answer.objective, "how": how, "joints": digest(answer.q)}
+
+
+def digest(q: np.ndarray) -> str:
+    """Return the SHA-256 of joints (k, n) rounded to 1e-6."""
+    return hashlib.sha256((np.round(q, 6) + 0.0).tobytes()).hexdigest()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
