@@ -66,6 +66,8 @@ BUDGETS: dict[str, Budget] = {
 }
 _STEP = 100  # starts of each law between two looks at what they say
 _HOPS = 0.4  # share of the work that goes into hops
+_SCOUTS = 4  # rounds of the anchors while they disagree; each doubles postures and refinements
+_UNSEEN = 0.5  # with more singletons among the minima of single points, most were never seen
 
 
 def plan_global(
@@ -224,26 +226,32 @@ class _Search:
 
     def _walk_and_hop(self) -> None:
         track, budget = self.track, self.budget
-        self.progress.stage("paths walked from single points")
-        if track is not None:
-            track.round(budget.round)
-            if track.settled():
-                return
-        self.anchored.scout(*budget.scout)
-        if track is None or track.drawn() is None:
+        if self._anchors_settle() or track is None:
             return
+        self.progress.stage("paths walked from single points")
         while (track.work + self.hops.work) * self._seconds < budget.search:
-            known = track.drawn()
-            assert known is not None
-            if self.hops.work < _HOPS * (track.work + self.hops.work):
-                self.hops.hop(Solutions.join([known.ends, *self._scouted()]))
+            known = [drawn.ends for law in self.laws if (drawn := law.drawn()) is not None]
+            if known and self.hops.work < _HOPS * (track.work + self.hops.work):
+                self.hops.hop(Solutions.join(known))
             else:
+                before = track.work
                 track.round(budget.round)
+                if track.work == before:
+                    return  # no point of the path is reached alone
             self.progress.advance()
 
-    def _scouted(self) -> list[Solutions]:
-        drawn = self.anchored.drawn()
-        return [] if drawn is None else [drawn.ends]
+    def _anchors_settle(self) -> bool:
+        """Tell whether the anchors' minima are mostly seen, and lead to one best path."""
+        postures, screened, refined = self.budget.scout
+        self.progress.stage("anchored starts", _SCOUTS)
+        for level in range(_SCOUTS):
+            self.anchored.scout(postures << level, screened << level, refined << level)
+            self.progress.advance()
+            if self.track is not None and self.anchored.unseen_share() > _UNSEEN:
+                return False
+            if self.anchored.agree():
+                return True
+        return False
 
     @property
     def _seconds(self) -> float:

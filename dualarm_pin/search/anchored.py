@@ -149,6 +149,15 @@ class AnchoredLaw:
         for seed, path in zip(fresh, paths, strict=True):
             seed.path = path
 
+    def unseen_share(self) -> float:
+        """Return the share of postures whose minimum no other posture met, as Good and Turing.
+
+        Near 1 the minima of single points are hardly seen, and that anchors agree says little.
+        """
+        hits = [anchor.minima.hits for anchor in self.anchors if anchor.minima is not None]
+        met = sum(int(each.sum()) for each in hits)
+        return sum(int(np.sum(each == 1)) for each in hits) / met if met else 1.0
+
     def agree(self) -> bool:
         """Tell whether the best path was reached from at least two anchors, or from all."""
         drawn = self.drawn()

@@ -18,7 +18,7 @@ from dualarm_pin.search.law import Drawn
 from dualarm_pin.search.starts import generator
 from dualarm_pin.search.turns import draw_postures, fold
 from dualarm_pin.search.walk import walk
-from dualarm_pin.solution import Solutions, distinct, same_path
+from dualarm_pin.solution import Solutions, distinct
 from dualarm_pin.solvers import interior_point as engine
 
 Array = NDArray[np.float64]
@@ -32,7 +32,6 @@ _RACE_ITERATIONS, _FINISHED, _REFINED = 6, 8, 5
 _RACE = 3  # times as many are raced as are finished
 # A low and a high barrier end in different minima.
 _BARRIERS = ((1e-2, 1e-3), (0.1, 1e-2))
-_SEEN = 0.5  # with more singletons among the minima of a point, most of them were never seen
 
 
 @dataclass(frozen=True)
@@ -64,8 +63,6 @@ class TrackLaw:
         self._rounds = 0
         self._walks = 0
         self._ends: Solutions | None = None
-        self._anchor: Labels = np.zeros(0, dtype=np.int64)
-        self._singletons = self._alone = 0
 
     def drawn(self) -> Drawn | None:
         """Return what the walks so far came to, or None before the first."""
@@ -99,28 +96,12 @@ class TrackLaw:
         self.work += work
         self._walks += len(at)
         mu0, push = _BARRIERS[(self._rounds - 1) % len(_BARRIERS)]
-        chosen, ends = self._race(problem, fold(problem, paths), mu0, push)
-        anchor = at[chosen]
+        ends = self._race(problem, fold(problem, paths), mu0, push)
         if self.coarse is not None:
-            ends, kept = self._on_the_whole_path(ends, mu0, push)
-            anchor = anchor[kept]
+            ends = self._on_the_whole_path(ends, mu0, push)
         self._ends = ends if self._ends is None else Solutions.join([self._ends, ends])
-        self._anchor = np.append(self._anchor, anchor)
         if ends.interrupted:
             raise KeyboardInterrupt
-
-    def settled(self) -> bool:
-        """Tell whether two anchors led to the best path, and their minima were mostly seen."""
-        drawn = self.drawn()
-        best = None if drawn is None else drawn.best
-        if best is None or self._singletons > _SEEN * max(self._alone, 1):
-            return False
-        assert self._ends is not None  # there is a best
-        there = [
-            ok and same_path(q, best)
-            for q, ok in zip(self._ends.q, self._ends.converged, strict=True)
-        ]
-        return len(set(self._anchor[there].tolist())) >= 2
 
     def _minima(
         self, problem: Problem, how: Round, random: np.random.Generator
@@ -144,35 +125,25 @@ class TrackLaw:
             best = minima.ends.q[: how.minima, 0]
             at.append(np.full(len(best), anchor))
             found.append(best)
-            self._singletons += int(np.sum(minima.hits == 1))
-            self._alone += int(minima.hits.sum())
         return np.concatenate(at), np.concatenate(found)
 
-    def _race(
-        self, problem: Problem, paths: Array, mu0: float, push: float
-    ) -> tuple[Labels, Solutions]:
-        """Refine the most promising paths; return which they were, and their ends."""
+    def _race(self, problem: Problem, paths: Array, mu0: float, push: float) -> Solutions:
+        """Refine the most promising paths."""
         first = self._solve(problem, paths, iterations=0, mu0=mu0, push=1e-6)
         raced = np.argsort(first.objective, kind="stable")[: _RACE * _FINISHED]
         ends = self._solve(problem, paths[raced], iterations=_RACE_ITERATIONS, mu0=mu0, push=push)
         order = np.argsort(np.where(ends.residual < 1e-2, ends.objective, np.inf), kind="stable")
         chosen = raced[order[:_FINISHED]]
         whole = self.coarse is None
-        return chosen, self._solve(problem, paths[chosen], mu0=mu0, push=push, last=whole)
+        return self._solve(problem, paths[chosen], mu0=mu0, push=push, last=whole)
 
-    def _on_the_whole_path(
-        self, ends: Solutions, mu0: float, push: float
-    ) -> tuple[Solutions, Labels]:
-        """Refine the best distinct coarse paths on all points; return them and which they were."""
+    def _on_the_whole_path(self, ends: Solutions, mu0: float, push: float) -> Solutions:
+        """Refine the best distinct coarse paths on all points."""
         assert self.coarse is not None
-        minima = distinct(ends)
-        kept = np.array(
-            [int(np.flatnonzero(minima.label == m)[0]) for m in range(min(_REFINED, len(minima)))],
-            dtype=np.int64,
-        )
-        starts = np.array([self.coarse.start(ends.q[end]) for end in kept])
-        starts = starts.reshape(len(kept), self.problem.k, self.problem.n)
-        return self._solve(self.problem, starts, mu0=mu0, push=push, last=True), kept
+        best = distinct(ends).ends.q[:_REFINED]
+        starts = np.array([self.coarse.start(q) for q in best])
+        starts = starts.reshape(len(best), self.problem.k, self.problem.n)
+        return self._solve(self.problem, starts, mu0=mu0, push=push, last=True)
 
     def _solve(
         self,
