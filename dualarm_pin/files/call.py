@@ -51,21 +51,20 @@ class OwnFunction:
 
     Attributes:
         function: The function, or an instance of a class that can be called.
-        name: `module:function`.
-        file: The file that names it.
-        line: Where.
-        field: What for, such as `index.call`.
+        named: `module:function` as a message, with the file, line and field that name it.
         arguments: Keyword arguments of every call.
         folder: Where its module was found; None if Python finds it anyway.
     """
 
     function: Callable[..., Any]
-    name: str
-    file: Path
-    line: int | None
-    field: str
+    named: InputError
     arguments: Mapping[str, Any]
     folder: Path | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called in results: `module:function`."""
+        return self.named.message
 
     def __call__(self, *given: Any, **more: Any) -> Any:
         """Call it; what it raises is an error of the file, unless it names its own place."""
@@ -111,8 +110,9 @@ class OwnFunction:
 
     def error(self, message: str) -> InputError:
         """Return an error about this function."""
+        where = self.named
         return InputError(
-            f"{self.name}: {message}", file=self.file, line=self.line, field=self.field
+            f"{self.name}: {message}", file=where.file, line=where.line, field=where.field
         )
 
 
@@ -164,10 +164,7 @@ def _imported(source: Source, place: Place, spec: CallSpec) -> OwnFunction:
         hint = nearest(name, known)
         raise source.error(f"the module {module_name!r} has no function {name!r}: {hint}", keys)
     _refuse_unknown(source, place, function, spec.arguments)
-    field = ".".join(map(str, keys))
-    return OwnFunction(
-        function, spec.call, source.path, source.line(keys), field, spec.arguments, folder
-    )
+    return OwnFunction(function, source.error(spec.call, keys), spec.arguments, folder)
 
 
 def _refuse_unknown(

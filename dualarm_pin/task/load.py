@@ -60,12 +60,12 @@ def parts_of_task(
             "index": index,
             "smoothness": smooth.weight,
             "stage_1_smoothness": spec.two_stage.smoothness,
-            "Gamma": _Gamma(spec.two_stage.Gamma, path),
             "metric": _metric(smooth, cell),
             "per_arc_length": smooth.per_arc_length,
             "rows": rows,
             "name": source.path.stem,
             "record": record,
+            "Gamma": _Gamma(spec.two_stage.Gamma, path),
         }
         for key, named in (("method", spec.method), ("solver", spec.solver)):
             function = own.get((key,))
