@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
-from dualarm_pin.indices.index import Array, Index, as_array
+from dualarm_pin.indices.index import Index, weighted
 
 FIRST_STEP, SECOND_STEP = 1e-6, 1e-4  # of the size of A; the second where phi is differenced twice
 
@@ -91,15 +92,13 @@ def custom(
         slopes = gradient
     if curvature is None:
         curvature = DifferenceCurvature(slopes, step)
-    return Index(
-        name,
-        phi,
-        gradient,
-        curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        units,
+    return weighted(
+        Index(name, phi, gradient, curvature, units=units),
+        {
+            "task_weights": task_weights,
+            "joint_weights": joint_weights,
+            "joint_centre": joint_centre,
+        },
     )
 
 

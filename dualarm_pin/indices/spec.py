@@ -44,7 +44,7 @@ class _OwnIndex(CallSpec):
     direction: Direction = "path"
 
 
-@one_of(INDICES, _Weighted, without=("joint_centre",))
+@one_of(INDICES, _Weighted)
 class IndexSpec(OneOf):
     """The `index:` section."""
 

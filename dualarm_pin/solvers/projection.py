@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, inequalities
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
-Array = NDArray[np.float64]
 # Marquardt (1963): the damping falls after a good step and grows after a bad one. The factors are
 # habit, not tuned; below the least it is lost in rounding, above the most the step is too.
 _FIRST, _LEAST, _MOST = 1e-3, 1e-14, 1e8

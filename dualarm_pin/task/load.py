@@ -7,8 +7,8 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.call import own_functions
@@ -21,8 +21,6 @@ from dualarm_pin.path.load import load_path
 from dualarm_pin.rows.spec import load_rows
 from dualarm_pin.task.record import task_record
 from dualarm_pin.task.spec import SmoothnessSpec, TaskSpec
-
-Array = NDArray[np.float64]
 
 
 def parts_of_task(

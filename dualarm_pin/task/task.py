@@ -10,10 +10,10 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
 from dualarm_pin import indices
+from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.indices import Index
@@ -24,7 +24,6 @@ from dualarm_pin.rows import Row
 from dualarm_pin.solvers.solver import Solver
 from dualarm_pin.task.load import parts_of_task
 
-Array = NDArray[np.float64]
 LEAST_POINTS = 2  # one alone is no path
 
 
