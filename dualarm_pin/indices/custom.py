@@ -84,16 +84,10 @@ def custom(
         raise InputError(f"is {phi!r}, must be a function of (A, u)", field="phi")
     if gradient is None and curvature is not None:
         raise InputError("needs a gradient to be the derivative of", field="curvature")
-    step = FIRST_STEP
-    if gradient is None:
-        gradient, step = DifferenceGradient(phi), SECOND_STEP
-        slopes: Callable[[Array, Array], Array] = DifferenceGradient(phi, SECOND_STEP)
-    else:
-        slopes = gradient
-    if curvature is None:
-        curvature = DifferenceCurvature(slopes, step)
+    twice = DifferenceCurvature(DifferenceGradient(phi, SECOND_STEP), SECOND_STEP)
+    curvature = curvature or (twice if gradient is None else DifferenceCurvature(gradient))
     return weighted(
-        Index(name, phi, gradient, curvature, units=units),
+        Index(name, phi, gradient or DifferenceGradient(phi), curvature, units=units),
         {
             "task_weights": task_weights,
             "joint_weights": joint_weights,

@@ -22,7 +22,6 @@ from dualarm_pin.solution import Solution
 from dualarm_pin.solvers.projection import project
 from dualarm_pin.tolerance import TOLERANCE
 
-NAME = "nlopt-slsqp"
 _LAST_STEPS = 20  # from near the path a few are enough; rounding may keep the rest from ending
 _REASONS = {
     nlopt.SUCCESS: "converged",

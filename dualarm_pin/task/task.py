@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import io
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
@@ -83,7 +82,7 @@ class Task:
         object.__setattr__(self, "metric", metric)
         if not self.Gamma:
             object.__setattr__(self, "Gamma", choose_Gamma(self.path, min(6, h)))
-        elif self.Gamma[0] != 0 or self.Gamma[-1] != h - 1 or not _increasing(self.Gamma):
+        elif (self.Gamma[0], self.Gamma[-1]) != (0, h - 1) or np.any(np.diff(self.Gamma) < 1):
             raise InputError(
                 f"expected increasing points from 1 to {h}, both among them; "
                 f"given {[point + 1 for point in self.Gamma]}",
@@ -150,7 +149,3 @@ class Task:
         writer.default_flow_style = None
         writer.dump(dict(self.record), text)
         return text.getvalue()
-
-
-def _increasing(points: Sequence[int]) -> bool:
-    return all(a < b for a, b in itertools.pairwise(points))
