@@ -539,13 +539,13 @@ MISTAKES: dict[str, tuple[str, int | None, str, tuple[str, ...]]] = {
         PAIR.replace("rpy_deg: [0, 0, 90]", "rotation: [[1, 0, 0], [0, 1, 0], [0, 0, 2]]"),
         3,
         "arms.arm2.base",
-        ("not a rotation matrix",),
+        ("not a rotation: R^T R differs",),
     ),
     "a reflection": (
         PAIR.replace("rpy_deg: [0, 0, 90]", "rotation: [[1, 0, 0], [0, 1, 0], [0, 0, -1]]"),
         3,
         "arms.arm2.base",
-        ("reflection",),
+        ("mirror",),
     ),
     "two coordinates": (
         PAIR.replace("xyz: [1, 0, 0]", "xyz: [1, 0]"),

@@ -88,7 +88,10 @@ BAD = {
     "missing cell": ({"cell": ""}, "cell: the path of a cell file is expected"),
     "cell file gone": ({"cell": "gone.yaml"}, "small.yaml:1: cell"),
     "unknown index": ({"index": "{forse: {}}"}, "small.yaml:3: index.forse: unknown key"),
-    "two indices": ({"index": "{force: {}, velocity: {}}"}, "yaml:3: index: name exactly one"),
+    "two indices": (
+        {"index": "{force: {}, velocity: {}}"},
+        ":3: index: exactly one index",
+    ),
     "zero direction": ({"index": "{force: {direction: [0, 0, 0]}}"}, "small.yaml:3: index.force"),
     "too few points": (
         {"path": "{corner: {side: 0.15, fillet: 0.01, height: 0.3, points: [1, 0, 0]}}"},

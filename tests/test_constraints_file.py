@@ -72,7 +72,7 @@ WRONG = {
     ),
     "two kinds": (
         "[{above: {frame: arm1/tip, z: 0}, below: {frame: arm1/tip, z: 1}}]",
-        "exactly one of above, below, half_space or call is expected; given above, below",
+        "exactly one row is expected; given above, below; known: above, below, half_space, call",
     ),
     "no height": ("[{above: {frame: arm1/tip}}]", r"constraints\.0\.above\.z: this key is missing"),
     "not a number": (

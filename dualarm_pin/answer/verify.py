@@ -105,6 +105,7 @@ def verify(
             for point, u, q_i in zip(points, path.u, q, strict=True)
         ]
     )
+    objective = float(np.sum(index)) + coupling(task.problem(), q)[0]
     position_error = np.array(
         [
             np.linalg.norm(point.T_e1_e2.translation - wanted)
@@ -121,7 +122,7 @@ def verify(
     rows = tuple(_row_values(task, row, q) for row in task.rows)
     return Checked(
         index=index,
-        objective=float(np.sum(index)) + coupling(task.problem(), q)[0],
+        objective=objective,
         position_error=position_error,
         rotation_error=rotation_error,
         bound_violation=violation,

@@ -19,15 +19,7 @@ def pose_of(xyz: Sequence[float], rpy: Sequence[float]) -> pin.SE3:
 
 def placement_pose(placement: PlacementSpec | None) -> pin.SE3:
     """Return the pose that a cell file states, identity if it states none."""
-    if placement is None:
-        return pin.SE3.Identity()
-    if placement.rotation is not None:
-        rotation = pin.Quaternion(np.array(placement.rotation)).normalized().toRotationMatrix()
-        return pin.SE3(rotation, np.array(placement.xyz))
-    rpy = placement.rpy or (0.0, 0.0, 0.0)
-    if placement.rpy_deg is not None:
-        rpy = tuple(np.deg2rad(placement.rpy_deg))
-    return pose_of(placement.xyz, rpy)
+    return pin.SE3.Identity() if placement is None else placement.pose
 
 
 def checked_pose(pose: pin.SE3, field: str) -> pin.SE3:

@@ -27,7 +27,7 @@ def view(
         html: Write this file instead of opening a browser.
         port: Port of the local page; a free one by default.
         browser: Open the page in the browser.
-        allow_code: Import and run the index or the path that a task names with `call`.
+        allow_code: Import and run the index, path or rows that a task names with `call`.
     """
     from dualarm_pin.answer.folder import labels, load_result
     from dualarm_pin.show import report_page, serve, write_report

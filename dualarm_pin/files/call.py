@@ -16,7 +16,7 @@ import inspect
 import re
 import sys
 import traceback
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
@@ -24,9 +24,10 @@ from typing import Annotated, Any, TypeVar
 from pydantic import ConfigDict, Field
 
 from dualarm_pin.errors import DualArmError, InputError, nearest
-from dualarm_pin.files.source import Key, Source, Spec, plain
+from dualarm_pin.files.source import Key, Source, Spec
 
 T = TypeVar("T")
+Place = tuple[Key, ...]
 _PATTERN = r"^[\w.]+:\w+$"
 ModuleAndFunction = Annotated[str, Field(pattern=_PATTERN)]
 
@@ -44,38 +45,26 @@ class CallSpec(Spec):
         return dict(self.model_extra or {})
 
 
-def call_apart(data: Any, own: Collection[str]) -> Any:
-    """Return a section with `call` and its arguments as one `CallSpec`, before it is checked.
-
-    Args:
-        data: The section, as the file has it.
-        own: Keys that the section has whether or not there is a `call`.
-    """
-    if not isinstance(data, dict) or "call" not in data:
-        return data
-    arguments = {key: value for key, value in data.items() if key not in own}
-    return {key: value for key, value in data.items() if key in own} | {"call": arguments}
-
-
 @dataclass(frozen=True)
 class OwnFunction:
     """A function that a file names: its mistakes name the file, the line and the field.
 
     Attributes:
         function: The function, or an instance of a class that can be called.
-        name: `module:function`.
-        file: The file that names it.
-        line: Where.
-        field: What for, such as `index.call`.
+        named: `module:function` as a message, with the file, line and field that name it.
         arguments: Keyword arguments of every call.
+        folder: Where its module was found; None if Python finds it anyway.
     """
 
     function: Callable[..., Any]
-    name: str
-    file: Path
-    line: int | None
-    field: str
+    named: InputError
     arguments: Mapping[str, Any]
+    folder: Path | None = None
+
+    @property
+    def name(self) -> str:
+        """What it is called in results: `module:function`."""
+        return self.named.message
 
     def __call__(self, *given: Any, **more: Any) -> Any:
         """Call it; what it raises is an error of the file, unless it names its own place."""
@@ -121,8 +110,9 @@ class OwnFunction:
 
     def error(self, message: str) -> InputError:
         """Return an error about this function."""
+        where = self.named
         return InputError(
-            f"{self.name}: {message}", file=self.file, line=self.line, field=self.field
+            f"{self.name}: {message}", file=where.file, line=where.line, field=where.field
         )
 
 
@@ -146,37 +136,35 @@ def refuse_calls(source: Source, *, allow_code: bool) -> None:
     )
 
 
-def own_function(
-    source: Source, keys: Sequence[Key], arguments: Mapping[str, Any] | None = None
-) -> OwnFunction:
-    """Import the function that stands at `keys` of a file that was allowed to run code.
+def own_functions(
+    source: Source, calls: Mapping[Place, CallSpec], *, allow_code: bool
+) -> dict[Place, OwnFunction]:
+    """Import every function that a file calls, in one pass, if it was allowed to run code.
 
     Args:
         source: The file.
-        keys: Where the mapping with `call` stands.
-        arguments: Keyword arguments; None takes every other key of the mapping.
+        calls: Where each stands: the keys of the mapping with `call`.
+        allow_code: Whether it may.
 
     Raises:
-        InputError: No such module or function, or it does not take these arguments.
+        InputError: It may not; or there is no such module or function, or it does not take these
+            arguments.
     """
-    data = source.data
-    for key in keys:
-        data = data[key]
-    text = str(data["call"])
-    place = [*keys, "call"]
-    module_name, _, name = text.partition(":")
-    module = _module(source, module_name, place)
+    refuse_calls(source, allow_code=allow_code)
+    return {place: _imported(source, place, spec) for place, spec in calls.items()}
+
+
+def _imported(source: Source, place: Place, spec: CallSpec) -> OwnFunction:
+    keys = (*place, "call")
+    module_name, _, name = spec.call.partition(":")
+    module, folder = _module(source, module_name, keys)
     function = getattr(module, name, None)
     if not callable(function):
         known = [key for key, value in vars(module).items() if callable(value) and key[0] != "_"]
         hint = nearest(name, known)
-        raise source.error(f"the module {module_name!r} has no function {name!r}: {hint}", place)
-    if arguments is None:
-        arguments = {key: plain(value) for key, value in data.items() if key != "call"}
-    _refuse_unknown(source, keys, function, arguments)
-    return OwnFunction(
-        function, text, source.path, source.line(place), ".".join(map(str, place)), arguments
-    )
+        raise source.error(f"the module {module_name!r} has no function {name!r}: {hint}", keys)
+    _refuse_unknown(source, place, function, spec.arguments)
+    return OwnFunction(function, source.error(spec.call, keys), spec.arguments, folder)
 
 
 def _refuse_unknown(
@@ -195,28 +183,31 @@ def _refuse_unknown(
             raise source.error(f"unknown key: {nearest(key, known)}", [*keys, key])
 
 
-def _module(source: Source, name: str, place: Sequence[Key]) -> Any:
-    found = module_file(source, name)
-    for folder in map(str, _folders(source)):
-        if found is not None and folder not in sys.path:
+def _module(source: Source, name: str, place: Place) -> tuple[Any, Path | None]:
+    """Return a module, and the folder of the file's own in which it was found."""
+    file, folders = module_file(source, name), _folders(source)
+    for folder in map(str, folders):
+        if file is not None and folder not in sys.path:
             # Last, so that it hides nothing; for good, so that worker processes find it too.
             sys.path.append(folder)
             importlib.invalidate_caches()
     try:
         module = importlib.import_module(name)
-    except ModuleNotFoundError as error:
-        if error.name is None or not f"{name}.".startswith(f"{error.name}."):
-            raise source.error(f"importing {name!r}: {error}", place) from error
-        where = ", ".join(map(str, _folders(source)))
-        message = f"there is no module {name!r} in {where} or where Python finds modules"
-        raise source.error(message, place) from error
     except (Exception, SystemExit) as error:
-        raise source.error(f"importing {name!r}: {_raised(error)}", place) from error
+        missing = getattr(error, "name", None) if isinstance(error, ModuleNotFoundError) else None
+        why = _raised(error) if missing is None else str(error)
+        message = f"importing {name!r}: {why}"
+        if missing is not None and f"{name}.".startswith(f"{missing}."):
+            where = ", ".join(map(str, folders))
+            message = f"there is no module {name!r} in {where} or where Python finds modules"
+        raise source.error(message, place) from error
     loaded = getattr(module, "__file__", None)
-    if found is not None and (loaded is None or Path(loaded).resolve() != found):
-        message = f"the module {name!r} is {loaded}, not {found}: two have this name, rename yours"
+    if file is None:
+        return module, None
+    if loaded is None or Path(loaded).resolve() != file:
+        message = f"the module {name!r} is {loaded}, not {file}: two have this name, rename yours"
         raise source.error(message, place)
-    return module
+    return module, file.parents[name.count(".") + (file.name == "__init__.py")]
 
 
 def module_file(source: Source, module: str) -> Path | None:

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import Annotated, Self
 
+import numpy as np
+import pinocchio as pin
 from pydantic import AfterValidator, Field, model_validator
 
+from dualarm_pin.arrays import rotations
 from dualarm_pin.files.source import Spec
 
 Vector = tuple[float, float, float]
-_ORTHONORMAL = 1e-6  # R R^T - 1 of a rotation that is used as it is written
 
 
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
@@ -43,20 +45,17 @@ class PlacementSpec(Spec):
         if len(given) > 1:
             raise ValueError(f"{' and '.join(given)} say the same thing: give one of them")
         if self.rotation is not None:
-            _check_rotation(self.rotation)
+            rotations(self.rotation, (1, 3, 3))
         return self
 
-
-def _check_rotation(R: tuple[Vector, Vector, Vector]) -> None:
-    for i in range(3):
-        for j in range(3):
-            dot = sum(R[i][k] * R[j][k] for k in range(3))
-            if abs(dot - (i == j)) > _ORTHONORMAL:
-                raise ValueError("rotation is not a rotation matrix: its rows are not orthonormal")
-    a, b, c = R
-    det = sum(a[i] * (b[i - 2] * c[i - 1] - b[i - 1] * c[i - 2]) for i in range(3))
-    if det < 0:
-        raise ValueError("rotation is a reflection (determinant -1), not a rotation matrix")
+    @property
+    def pose(self) -> pin.SE3:
+        """The pose, its rotation moved to the nearest exact one."""
+        rpy = np.deg2rad(self.rpy_deg) if self.rpy_deg else self.rpy or (0.0, 0.0, 0.0)
+        rotation = pin.rpy.rpyToMatrix(*map(float, rpy))
+        if self.rotation is not None:
+            rotation = rotations(self.rotation, (1, 3, 3))[0]
+        return pin.SE3(rotation, np.array(self.xyz))
 
 
 class JointSettings(Spec):

@@ -2,18 +2,15 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap
 from ruamel.yaml.error import YAMLError
 
 from dualarm_pin.errors import InputError, MissingFileError
-from dualarm_pin.files.source import Key, Source, read_yaml
+from dualarm_pin.files.source import Change, Key, Source, read_yaml
 
 
 def read_task(
@@ -31,11 +28,11 @@ def read_task(
     Raises:
         InputError: A file or an override cannot be read.
     """
-    task = read_yaml(path)
     changes = [_change(override) for override in overrides]
+    task = read_yaml(path)
     inside = isinstance(task.data.get("cell"), dict)
-    own, cells = _split(changes, inside)
-    task = Source(task.path, _changed(task.data, own))
+    own = [c for c in changes if inside or c.keys[0] != "cell" or len(c.keys) == 1]
+    task = task.changed(own)
     named = task.data.get("cell")
     if isinstance(named, dict):
         return task, task, ("cell",)
@@ -46,58 +43,16 @@ def read_task(
         cell = read_yaml(task.path.parent / named)
     except MissingFileError as error:
         raise task.error(f"the cell {error}", ["cell"]) from error
-    return task, Source(cell.path, _changed(cell.data, cells)), ()
+    return task, cell.changed([replace(c, keys=c.keys[1:]) for c in changes if c not in own]), ()
 
 
-@dataclass(frozen=True)
-class _Change:
-    keys: list[Key]
-    value: Any
-    text: str
-
-
-def _change(override: str) -> _Change:
+def _change(override: str) -> Change:
     key, separator, text = override.partition("=")
+    field = f"--set {override}"
     if not separator or not key.strip():
-        raise InputError("give key=value, such as smoothness=30", field=f"--set {override}")
-    keys: list[Key] = [int(k) if k.isdigit() else k for k in key.strip().split(".")]
-    return _Change(keys, _value(text, override), override)
-
-
-def _split(changes: Sequence[_Change], inside: bool) -> tuple[list[_Change], list[_Change]]:
-    """Return the changes of the task file and, with `cell.` taken off, those of the cell file."""
-    if inside:
-        return list(changes), []
-    own = [c for c in changes if c.keys[0] != "cell" or len(c.keys) == 1]
-    cell = [replace(c, keys=c.keys[1:]) for c in changes if c not in own]
-    return own, cell
-
-
-def _changed(data: Any, changes: Sequence[_Change]) -> Any:
-    changed = copy.deepcopy(data)
-    for change in changes:
-        _set(changed, change.keys, change.value, change.text)
-    return changed
-
-
-def _value(text: str, override: str) -> Any:
+        raise InputError("give key=value, such as smoothness=30", field=field)
     try:
-        return YAML(typ="rt", pure=True).load(text)
+        value = YAML(typ="rt", pure=True).load(text)
     except (YAMLError, ValueError) as error:
-        raise InputError(f"the value is not YAML: {text!r}", field=f"--set {override}") from error
-
-
-def _set(data: Any, keys: Sequence[str | int], value: Any, override: str) -> None:
-    node = data
-    for position, key in enumerate(keys[:-1]):
-        try:
-            if isinstance(node, dict) and not isinstance(node.get(key), dict | list):
-                node[key] = CommentedMap()
-            node = node[key]
-        except (KeyError, IndexError, TypeError) as error:
-            known = ".".join(str(k) for k in keys[: position + 1])
-            raise InputError(f"there is no {known} to set", field=f"--set {override}") from error
-    try:
-        node[keys[-1]] = value
-    except (IndexError, TypeError) as error:
-        raise InputError("there is no such place", field=f"--set {override}") from error
+        raise InputError(f"the value is not YAML: {text!r}", field=field) from error
+    return Change([int(k) if k.isdigit() else k for k in key.strip().split(".")], value, override)

@@ -6,15 +6,18 @@ line. Pydantic models then check names, types and ranges; all mistakes are repor
 
 from __future__ import annotations
 
+import copy
 import math
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from ruamel.yaml import YAML
+from ruamel.yaml.comments import CommentedMap
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 
 from dualarm_pin.errors import InputError, MissingFileError, nearest
@@ -23,6 +26,42 @@ SpecT = TypeVar("SpecT", bound="Spec")
 Key = str | int
 _MOST_VALUES = 1_000_000  # aliases of aliases in a small file can stand for billions
 _LARGEST = 20_000_000  # bytes; a YAML file beyond this is a mistake
+
+
+@dataclass(frozen=True)
+class Change:
+    """A field set to another value, as `--set key=value` asks.
+
+    Attributes:
+        keys: Where.
+        value: What is put there.
+        text: What the user wrote.
+    """
+
+    keys: Sequence[Key]
+    value: Any
+    text: str
+
+    def apply(self, data: Any) -> None:
+        """Set the field in the data of a file, and make the mappings that lead to it.
+
+        Raises:
+            InputError: There is no such place.
+        """
+        field = f"--set {self.text}"
+        node = data
+        for position, key in enumerate(self.keys[:-1], 1):
+            try:
+                if isinstance(node, dict) and not isinstance(node.get(key), dict | list):
+                    node[key] = CommentedMap()
+                node = node[key]
+            except (KeyError, IndexError, TypeError) as error:
+                known = ".".join(map(str, self.keys[:position]))
+                raise InputError(f"there is no {known} to set", field=field) from error
+        try:
+            node[self.keys[-1]] = self.value
+        except (IndexError, TypeError) as error:
+            raise InputError("there is no such place", field=field) from error
 
 
 class Spec(BaseModel):
@@ -42,6 +81,18 @@ class Source:
 
     path: Path
     data: Any
+
+    @cached_property
+    def values(self) -> Any:
+        """What it holds as plain Python values."""
+        return plain(self.data)
+
+    def changed(self, changes: Sequence[Change]) -> Source:
+        """Return this file with other values at some places; it keeps its own."""
+        data = copy.deepcopy(self.data)
+        for change in changes:
+            change.apply(data)
+        return Source(self.path, data)
 
     def line(self, keys: Sequence[Key]) -> int | None:
         """Return the line of the deepest part of `keys` that the file holds, from 1."""
@@ -143,11 +194,11 @@ def check(source: Source, spec: type[SpecT], keys: Sequence[Key] = ()) -> SpecT:
     Raises:
         InputError: Every mistake, one a line, each with its line and field.
     """
-    data = source.data
+    data = source.values
     for key in keys:
         data = data[key]
     try:
-        return spec.model_validate(plain(data))
+        return spec.model_validate(data)
     except ValidationError as error:
         mistakes = [_mistake(source, spec, detail, keys) for detail in error.errors()]
         # Only one union branch explains a mistake best: keep the first for each place.
@@ -180,18 +231,12 @@ def _mistake(
 ) -> InputError:
     # Pydantic puts names of union branches into the location: keep only keys the file has.
     keys: list[Key] = list(prefix)
-    model: Any = spec
-    location = [part for part in detail["loc"]]
-    for position, part in enumerate(location):
-        last = position == len(location) - 1
-        if last and detail["type"] in ("missing", "extra_forbidden"):
+    location, given, kind = detail["loc"], detail.get("input"), detail["type"]
+    for part in location:
+        if _holds(source.data, [*keys, part]):
             keys.append(part)
-            break
-        if _holds(source, [*keys, part]):
-            keys.append(part)
-            model = _field_model(model, part)
-    given = detail.get("input")
-    kind = detail["type"]
+    if kind == "missing":
+        keys.append(location[-1])
     if kind == "extra_forbidden":
         known = _known_keys(spec, location[:-1])
         message = f"unknown key: {nearest(str(keys[-1]), known)}"
@@ -207,19 +252,13 @@ def _mistake(
     return source.error(message, keys)
 
 
-def _holds(source: Source, keys: Sequence[Key]) -> bool:
-    node = source.data
+def _holds(node: Any, keys: Sequence[Key]) -> bool:
     for key in keys:
         try:
             node = node[key]
         except (KeyError, IndexError, TypeError):
             return False
     return True
-
-
-def _field_model(model: Any, key: Key) -> Any:
-    fields = getattr(model, "model_fields", {})
-    return fields[key].annotation if key in fields else model
 
 
 def _known_keys(spec: type[BaseModel], location: Sequence[Key]) -> list[str]:

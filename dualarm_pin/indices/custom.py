@@ -8,8 +8,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
-from dualarm_pin.indices.index import Array, Index, as_array
+from dualarm_pin.indices.index import Index, weighted
 
 FIRST_STEP, SECOND_STEP = 1e-6, 1e-4  # of the size of A; the second where phi is differenced twice
 
@@ -83,23 +84,15 @@ def custom(
         raise InputError(f"is {phi!r}, must be a function of (A, u)", field="phi")
     if gradient is None and curvature is not None:
         raise InputError("needs a gradient to be the derivative of", field="curvature")
-    step = FIRST_STEP
-    if gradient is None:
-        gradient, step = DifferenceGradient(phi), SECOND_STEP
-        slopes: Callable[[Array, Array], Array] = DifferenceGradient(phi, SECOND_STEP)
-    else:
-        slopes = gradient
-    if curvature is None:
-        curvature = DifferenceCurvature(slopes, step)
-    return Index(
-        name,
-        phi,
-        gradient,
-        curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        units,
+    twice = DifferenceCurvature(DifferenceGradient(phi, SECOND_STEP), SECOND_STEP)
+    curvature = curvature or (twice if gradient is None else DifferenceCurvature(gradient))
+    return weighted(
+        Index(name, phi, gradient or DifferenceGradient(phi), curvature, units=units),
+        {
+            "task_weights": task_weights,
+            "joint_weights": joint_weights,
+            "joint_centre": joint_centre,
+        },
     )
 
 

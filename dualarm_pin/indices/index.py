@@ -5,14 +5,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypedDict
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, ShapeError
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,9 +55,18 @@ class Index:
         return dataclasses.replace(self, joint_centre=float(weight))
 
 
-def as_array(value: ArrayLike | None) -> Array | None:
-    """Return weights as an array, or None."""
-    return None if value is None else np.asarray(value, dtype=np.float64)
+class Weights(TypedDict, total=False):
+    """What every index of ours takes; see `Index`."""
+
+    task_weights: ArrayLike | None
+    joint_weights: ArrayLike | None
+    joint_centre: float
+
+
+def weighted(index: Index, weights: Weights) -> Index:
+    """Return an index with these weights."""
+    given: dict[str, Any] = {**weights}
+    return dataclasses.replace(index, **given)
 
 
 def _weights(name: str, value: ArrayLike | None, size: int | None) -> Array | None:

@@ -10,13 +10,13 @@ own (see `files.call`), and what goes with any of them:
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
-from pydantic import Field, create_model, model_validator
+from pydantic import Field, model_validator
 
-from dualarm_pin.files.call import CallSpec, call_apart, own_function
-from dualarm_pin.files.signature import ArgumentsSpec, spec_of
-from dualarm_pin.files.source import Key, Source, Spec
+from dualarm_pin.files.call import CallSpec, OwnFunction
+from dualarm_pin.files.one_of import OneOf, one_of
+from dualarm_pin.files.signature import ArgumentsSpec
 from dualarm_pin.indices import INDICES, Index
 
 Weight = Annotated[float, Field(ge=0.0)]
@@ -44,8 +44,11 @@ class _OwnIndex(CallSpec):
     direction: Direction = "path"
 
 
-class _OneIndex(Spec):
-    """The `index:` section without the indices: exactly one of them is given."""
+@one_of(INDICES, _Weighted)
+class IndexSpec(OneOf):
+    """The `index:` section."""
+
+    noun = "index"
 
     call: _OwnIndex | None = None
     joint_centre: Weight = 0.0
@@ -57,54 +60,26 @@ class _OneIndex(Spec):
         if isinstance(data, str):
             return {data: {}}
         if isinstance(data, dict):
-            data = {k: {} if v is None and k in INDICES else v for k, v in data.items()}
-        return call_apart(data, ("joint_centre",))
-
-    @model_validator(mode="after")
-    def _exactly_one(self) -> _OneIndex:
-        if len(self.given) != 1:
-            raise ValueError(f"name exactly one of {', '.join(INDICES)}")
-        return self
-
-    @property
-    def given(self) -> list[str]:
-        """Names of the indices that the file gives, or `call`."""
-        return [name for name in (*INDICES, "call") if getattr(self, name) is not None]
+            return {k: {} if v is None and k in INDICES else v for k, v in data.items()}
+        return data
 
     @property
     def direction(self) -> Direction:
         """The direction that is asked for; `path` leaves that of the path."""
-        direction: Direction = getattr(self, self.given[0]).direction
+        given: Any = self.given  # each kind has one
+        direction: Direction = given.direction
         return direction
 
-    def place(self, key: str) -> tuple[str, ...]:
-        """Return where an argument of the index stands in the section."""
-        return (key,) if self.call is not None else (self.given[0], key)
 
-
-if TYPE_CHECKING:
-    IndexSpec = _OneIndex
-else:
-    IndexSpec = create_model(
-        "IndexSpec",
-        __base__=_OneIndex,
-        **{
-            name: (spec_of(factory, _Weighted, without=("joint_centre",)) | None, None)
-            for name, factory in INDICES.items()
-        },
-    )
-
-
-def load_index(spec: IndexSpec, source: Source, keys: tuple[Key, ...] = ("index",)) -> Index:
+def load_index(spec: IndexSpec, own: OwnFunction | None = None) -> Index:
     """Return the index that a task file asks for.
+
+    Args:
+        spec: The checked section.
+        own: The function of the user's own that the section calls, if it calls one.
 
     Raises:
         InputError: A function of the user's own is wrong.
     """
-    name = spec.given[0]
-    arguments = getattr(spec, name).arguments
-    if name == "call":
-        index = own_function(source, keys, arguments).result(Index)
-    else:
-        index = INDICES[name](**arguments)
+    index: Index = spec.make() if own is None else own.result(Index)
     return replace(index, joint_centre=spec.joint_centre or index.joint_centre)

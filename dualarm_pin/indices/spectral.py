@@ -8,30 +8,26 @@ with the gap kept away from zero.
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from dualarm_pin.indices.index import Array, Index, as_array
+from dualarm_pin.arrays import Array
+from dualarm_pin.indices.index import Index, Weights, weighted
 
 
-def yoshikawa(
-    task_weights: ArrayLike | None = None,
-    joint_weights: ArrayLike | None = None,
-    joint_centre: float = 0.0,
-) -> Index:
+def yoshikawa(**weights: Unpack[Weights]) -> Index:
     """Return minus Yoshikawa's manipulability, -sqrt(det A), to be minimised."""
-    return Index(
-        "yoshikawa",
-        yoshikawa_phi,
-        yoshikawa_gradient,
-        yoshikawa_curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        "m^3 for all six rows",
-        yoshikawa_expression,
+    return weighted(
+        Index(
+            "yoshikawa",
+            yoshikawa_phi,
+            yoshikawa_gradient,
+            yoshikawa_curvature,
+            units="m^3 for all six rows",
+            expression=yoshikawa_expression,
+        ),
+        weights,
     )
 
 
@@ -40,39 +36,31 @@ def yoshikawa_expression(ca: Any, A: Any, u: Any) -> Any:
     return -ca.sqrt(ca.det(A))
 
 
-def inverse_condition_number(
-    task_weights: ArrayLike | None = None,
-    joint_weights: ArrayLike | None = None,
-    joint_centre: float = 0.0,
-) -> Index:
+def inverse_condition_number(**weights: Unpack[Weights]) -> Index:
     """Return minus the inverse condition number, -sigma_min / sigma_max, to be minimised."""
-    return Index(
-        "inverse_condition_number",
-        condition_phi,
-        condition_gradient,
-        condition_curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        "1",
+    return weighted(
+        Index(
+            "inverse_condition_number",
+            condition_phi,
+            condition_gradient,
+            condition_curvature,
+            units="1",
+        ),
+        weights,
     )
 
 
-def smallest_singular_value(
-    task_weights: ArrayLike | None = None,
-    joint_weights: ArrayLike | None = None,
-    joint_centre: float = 0.0,
-) -> Index:
+def smallest_singular_value(**weights: Unpack[Weights]) -> Index:
     """Return minus the smallest singular value of the weighted J_r, to be minimised."""
-    return Index(
-        "smallest_singular_value",
-        smallest_phi,
-        smallest_gradient,
-        smallest_curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        "m or rad, as weighted",
+    return weighted(
+        Index(
+            "smallest_singular_value",
+            smallest_phi,
+            smallest_gradient,
+            smallest_curvature,
+            units="m or rad, as weighted",
+        ),
+        weights,
     )
 
 

@@ -2,55 +2,41 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from dualarm_pin.indices.index import Array, Index, as_array
+from dualarm_pin.arrays import Array
+from dualarm_pin.indices.index import Index, Weights, weighted
 
 
-def force(
-    task_weights: ArrayLike | None = None,
-    joint_weights: ArrayLike | None = None,
-    joint_centre: float = 0.0,
-) -> Index:
+def force(**weights: Unpack[Weights]) -> Index:
     """Return the paper's index (eq. 14): c = 1/alpha^2 = u^T A u, lower is better.
 
     alpha is the force transmission ratio (eq. 6), weighted (eq. 8).
     """
-    return Index(
-        "force",
-        force_phi,
-        force_gradient,
-        force_curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        expression=force_expression,
+    return weighted(
+        Index("force", force_phi, force_gradient, force_curvature, expression=force_expression),
+        weights,
     )
 
 
-def velocity(
-    task_weights: ArrayLike | None = None,
-    joint_weights: ArrayLike | None = None,
-    joint_centre: float = 0.0,
-) -> Index:
+def velocity(**weights: Unpack[Weights]) -> Index:
     """Return 1/beta^2 = u^T A^-1 u (eq. 9), lower is better: more speed along u per joint speed.
 
     beta is the velocity transmission ratio (eq. 7). Where task rows are weighted 0, A is inverted
     on the rows that are left and u counts there alone. At a singular A the value is infinite.
     """
-    return Index(
-        "velocity",
-        velocity_phi,
-        velocity_gradient,
-        velocity_curvature,
-        as_array(task_weights),
-        as_array(joint_weights),
-        joint_centre,
-        "1/m^2",
-        velocity_expression,
+    return weighted(
+        Index(
+            "velocity",
+            velocity_phi,
+            velocity_gradient,
+            velocity_curvature,
+            units="1/m^2",
+            expression=velocity_expression,
+        ),
+        weights,
     )
 
 

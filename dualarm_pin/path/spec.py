@@ -18,13 +18,12 @@ the docstring of the generator of the same name.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Literal, Self
+from typing import Literal, Self
 
-from pydantic import create_model, model_validator
+from pydantic import model_validator
 
-from dualarm_pin.files.call import CallSpec, call_apart
 from dualarm_pin.files.cell_spec import PlacementSpec, Vector
-from dualarm_pin.files.signature import spec_of
+from dualarm_pin.files.one_of import OneOf, one_of
 from dualarm_pin.files.source import Spec
 from dualarm_pin.path.paths import GENERATORS
 
@@ -48,38 +47,8 @@ class HoldSpec(Spec):
         return self
 
 
-class _OneGenerator(HoldSpec):
-    """The `path:` section without its generators: exactly one of them is given."""
+@one_of(GENERATORS)
+class PathSpec(HoldSpec, OneOf):
+    """The `path:` section: one curve and how the tool is held."""
 
-    call: CallSpec | None = None
-
-    @model_validator(mode="before")
-    @classmethod
-    def _call_apart(cls, data: Any) -> Any:
-        return call_apart(data, HoldSpec.model_fields)
-
-    @property
-    def generator(self) -> str:
-        """Name of the one generator that is given, or `call`."""
-        return self._given()[0]
-
-    def _given(self) -> list[str]:
-        return [name for name in (*GENERATORS, "call") if getattr(self, name) is not None]
-
-    @model_validator(mode="after")
-    def _exactly_one(self) -> Self:
-        given = self._given()
-        if len(given) != 1:
-            shown, known = ", ".join(given) or "none", ", ".join(GENERATORS)
-            raise ValueError(f"exactly one curve is expected; given {shown}; known: {known}")
-        return self
-
-
-if TYPE_CHECKING:
-    PathSpec = _OneGenerator
-else:
-    PathSpec = create_model(
-        "PathSpec",
-        __base__=_OneGenerator,
-        **{name: (spec_of(function) | None, None) for name, function in GENERATORS.items()},
-    )
+    noun = "curve"

@@ -8,17 +8,17 @@ programme within the bounds: without active bounds its solution is exactly (eq. 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 import quadprog
-from numpy.typing import NDArray
 
 from dualarm_pin.answer.notes import LocalNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.planners.unreachable import feasible_postures, unreachable
 from dualarm_pin.problem import Problem
@@ -34,17 +34,8 @@ from dualarm_pin.tolerance import TOLERANCE
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
-Array = NDArray[np.float64]
 Variant = Literal["free", "clamped", "qp"]
 VARIANTS: tuple[Variant, ...] = ("free", "clamped", "qp")
-
-
-@dataclass
-class _Report:
-    """Where the integration had to give way."""
-
-    damped: list[int]
-    infeasible: list[int]
 
 
 def plan_local(
@@ -84,28 +75,28 @@ def plan_local(
         if q_first is None:
             return unreachable(task, problem, "local", f"pseudo-inverse-{variant}", seed, clock)
     progress.stage(f"pseudo-inverse, {variant}", problem.k - 1)
-    report = _Report([], [])
     walk = problem
     if variant == "free":
         endless = np.full(problem.n, np.inf)
         walk = replace(problem, lower=-endless, upper=endless)
     step = _qp_step if variant == "qp" else _pseudo_inverse_step
     gain = k0 * duration / (problem.k - 1) / substeps
-    q = [project_point(walk, 0, q_first)[0]]
-    for i in range(1, problem.k):
-        q.append(_interval(problem, walk, i, q[-1], gain, substeps, step, report))
-        progress.advance()
+
+    def lead(i: int, q: Array) -> tuple[Array, bool]:
+        return _interval(problem, walk, i, q, gain, substeps, step)
+
+    q, gave_way = follow(walk, q_first, lead, progress)
     return verified(
         task,
-        np.array(q),
+        q,
         method="local",
         solver=f"pseudo-inverse-{variant}",
         timing=clock.read(),
         seed=seed,
         notes=LocalNotes(
             k0=k0,
-            damped_at=tuple(sorted(set(report.damped))),
-            infeasible_at=tuple(sorted(set(report.infeasible))),
+            damped_at=() if variant == "qp" else gave_way,
+            infeasible_at=gave_way if variant == "qp" else (),
         ),
     )
 
@@ -119,38 +110,63 @@ def best_first_posture(problem: Problem, starts: int, seed: int) -> Array | None
     return min(feasible, key=lambda end: end.objective).q[0] if feasible else None
 
 
+def follow(
+    problem: Problem,
+    q_first: Array,
+    lead: Callable[[int, Array], tuple[Array, bool]],
+    progress: Progress,
+) -> tuple[Array, tuple[int, ...]]:
+    """Go from point to point and put each end onto the path exactly.
+
+    Args:
+        problem: The problem.
+        q_first: Joints at the first point (n,).
+        lead: (i, joints at point i - 1) -> joints near point i, and whether it had to give way.
+        progress: Told of each point.
+
+    Returns:
+        Joints (k, n), and the points, from 1, at which `lead` gave way.
+    """
+    q = [project_point(problem, 0, q_first)[0]]
+    gave_way = []
+    for i in range(1, problem.k):
+        near, gave = lead(i, q[-1])
+        if gave:
+            gave_way.append(i + 1)
+        q.append(project_point(problem, i, near)[0])
+        progress.advance()
+    return np.array(q), tuple(gave_way)
+
+
+def pose_between(problem: Problem, i: int, share: float) -> tuple[Array, Array]:
+    """Return position (3,) and rotation (3, 3) `share` of the way from point i - 1 to point i."""
+    import pinocchio as pin
+
+    position, rotation = problem.points.position, problem.points.rotation
+    turn = pin.exp3(share * pin.log3(rotation[i - 1].T @ rotation[i]))
+    return (1.0 - share) * position[i - 1] + share * position[i], rotation[i - 1] @ turn
+
+
 Step = Callable[[Problem, Array, Array, Array, Array], tuple[Array, bool]]
 
 
 def _interval(
-    problem: Problem,
-    walk: Problem,
-    i: int,
-    q: Array,
-    gain: float,
-    substeps: int,
-    step: Step,
-    report: _Report,
-) -> Array:
-    """Integrate from point i - 1 to point i and put the end on the path."""
-    for s in range(1, substeps + 1):
-        share = s / substeps
-        points = problem.points
-        position = (1.0 - share) * points.position[i - 1] + share * points.position[i]
-        rotation = _between(points.rotation[i - 1], points.rotation[i], share)
+    problem: Problem, walk: Problem, i: int, q: Array, gain: float, substeps: int, step: Step
+) -> tuple[Array, bool]:
+    """Integrate from point i - 1 to point i; return the joints and whether a step gave way."""
+    points, bounds, gave_way = problem.points, (problem.lower, problem.upper), False
+    for share in np.arange(1, substeps + 1) / substeps:
         relative = Relative(problem.cell, q)
         # The residual against the next pose is feed-forward and drift correction in one.
         residual, J = pose_residual(
-            relative, position, rotation, int(points.pose_rows[i]), problem.spin_axis
+            relative, *pose_between(problem, i, share), int(points.pose_rows[i]), problem.spin_axis
         )
         u = (1.0 - share) * points.u[i - 1] + share * points.u[i]
-        bounds = problem.lower, problem.upper
         _, slope = index_gradient(problem.index, relative, u, q, bounds)
-        dq, gave_way = step(walk, q, J, residual, -gain * slope)
-        if gave_way:
-            (report.infeasible if step is _qp_step else report.damped).append(i + 1)
+        dq, gave = step(walk, q, J, residual, -gain * slope)
+        gave_way |= gave
         q = np.clip(q + dq, walk.lower, walk.upper)
-    return project_point(walk, i, q)[0]
+    return q, gave_way
 
 
 def _pseudo_inverse_step(
@@ -171,18 +187,9 @@ def _qp_step(walk: Problem, q: Array, J: Array, residual: Array, down: Array) ->
     try:
         return quadprog.solve_qp(np.eye(n), down, constraints, limits, len(residual))[0], False
     except ValueError:  # the path cannot be followed within the bounds: come as near as possible
-        normal = J.T @ J + 1e-6 * np.eye(n)
-        target = -J.T @ residual + 1e-6 * down
+        normal, target = J.T @ J + 1e-6 * np.eye(n), -J.T @ residual + 1e-6 * down
+        bounds = constraints[:, len(residual) :], limits[len(residual) :]
         try:
-            return quadprog.solve_qp(
-                normal, target, constraints[:, len(residual) :], limits[len(residual) :], 0
-            )[0], True
+            return quadprog.solve_qp(normal, target, *bounds, 0)[0], True
         except ValueError:
             return np.zeros(n), True
-
-
-def _between(R1: Array, R2: Array, share: float) -> Array:
-    """Return the rotation `share` of the way from R1 to R2."""
-    import pinocchio as pin
-
-    return np.asarray(R1 @ pin.exp3(share * pin.log3(R1.T @ R2)))

@@ -88,14 +88,15 @@ def plan(
     if seed < 0:
         raise InputError(f"0 or more is expected; given {seed}", field="--seed")
     if not isinstance(method, str):
-        return _own(method, task, seed)
+        answer = method(task, seed=seed)
+        if not isinstance(answer, Trajectory):
+            raise error_about(method, f"a Trajectory is expected; it returned {answer!r:.80}")
+        return answer
     _known("method", method, METHODS)
     _known("effort", effort, EFFORTS)
     entry = METHODS[method]
     given = {"effort": effort, "starts": starts, "jobs": jobs}
-    arguments: dict[str, Any] = {
-        name: given[name] for name in entry.options if given[name] is not None
-    }
+    arguments: dict[str, Any] = {n: given[n] for n in entry.options if given[n] is not None}
     solver = solver or task.solver
     if isinstance(solver, str):
         _known("solver", solver, entry.solvers)
@@ -106,13 +107,6 @@ def plan(
     elif solver is not None:
         arguments["solver"] = solver
     return entry.function(task, seed=seed, progress=progress, **arguments)
-
-
-def _own(planner: Callable[..., Trajectory], task: Task, seed: int) -> Trajectory:
-    answer = planner(task, seed=seed)
-    if not isinstance(answer, Trajectory):
-        raise error_about(planner, f"a Trajectory is expected; it returned {answer!r:.80}")
-    return answer
 
 
 def _known(field: str, given: str, known: Sequence[str] | Mapping[str, Any]) -> None:

@@ -12,27 +12,25 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualarm_pin.answer.evidence import Evidence, LawCount
 from dualarm_pin.answer.notes import CasadiNotes, PinkNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, MissingExtraError
-from dualarm_pin.planners.local import best_first_posture
+from dualarm_pin.planners.local import best_first_posture, follow, pose_between
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.starts import common_postures, generator
 from dualarm_pin.solution import Solution, distinct, same_path
 from dualarm_pin.solvers import casadi_ipopt
-from dualarm_pin.solvers.projection import project_point
 from dualarm_pin.solvers.solver import ends_of
 
 if TYPE_CHECKING:
+    from dualarm_pin.problem import Problem
     from dualarm_pin.task import Task
-
-Array = NDArray[np.float64]
 
 
 def plan_casadi(
@@ -85,12 +83,8 @@ def plan_casadi(
 def count_starts(found: Sequence[Solution], best: Solution, size: float = 1.0) -> LawCount:
     """Return what starts came to: minima, and hits of the best, told apart by their joints."""
     minima = distinct(ends_of(found, size))
-    hits = [
-        int(count)
-        for q, count in zip(minima.ends.q, minima.hits, strict=True)
-        if same_path(q, best.q)
-    ]
-    return LawCount(len(found), int(minima.hits.sum()), len(minima), sum(hits))
+    best_hits = minima.hits[[same_path(q, best.q) for q in minima.ends.q]]
+    return LawCount(len(found), int(minima.hits.sum()), len(minima), int(best_hits.sum()))
 
 
 def plan_pink(
@@ -121,34 +115,27 @@ def plan_pink(
     """
     clock = Clock.start()
     problem = task.problem()
-    follower = _PinkFollower(task, manipulability, 1.0 / (problem.k - 1) / substeps)
+    lead = _PinkLead(task, problem, manipulability, substeps)
     q_first = best_first_posture(problem, starts, seed)
     if q_first is None:
         return unreachable(task, problem, "pink", "relative-frame", seed, clock)
     progress.stage("Pink", problem.k - 1)
-    q = [project_point(problem, 0, q_first)[0]]
-    gave_way = []
-    for i in range(1, problem.k):
-        at, solved = follower.follow(q[-1], problem, i, substeps)
-        if not solved:
-            gave_way.append(i + 1)
-        q.append(project_point(problem, i, at)[0])
-        progress.advance()
+    q, gave_way = follow(problem, q_first, lead, progress)
     return verified(
         task,
-        np.array(q),
+        q,
         method="pink",
         solver="relative-frame",
         timing=clock.read(),
         seed=seed,
-        notes=PinkNotes(manipulability=manipulability, infeasible_at=tuple(gave_way)),
+        notes=PinkNotes(manipulability=manipulability, infeasible_at=gave_way),
     )
 
 
-class _PinkFollower:
-    """Pink's tasks for the two tool frames of a cell."""
+class _PinkLead:
+    """Pink's tasks for the two tool frames of a cell, as `follow` takes them."""
 
-    def __init__(self, task: Task, manipulability: float, dt: float) -> None:
+    def __init__(self, task: Task, problem: Problem, manipulability: float, substeps: int) -> None:
         try:
             import pink
             from pink import limits, tasks
@@ -162,7 +149,8 @@ class _PinkFollower:
         if any(joint.kind != "revolute" for joint in cell.joints) or not cell.same_order:
             raise InputError("Pink's manipulability is for plain revolute joints", field="cell")
         self._pink: Any = pink
-        self._dt = dt
+        self._problem, self._substeps = problem, substeps
+        self._dt = 1.0 / (problem.k - 1) / substeps
         # Pink adds attributes to the model it is given: it gets one of its own.
         self._model = cell.model.copy()
         e1, e2 = (self._model.frames[frame].name for frame in (cell.e1, cell.e2))
@@ -170,31 +158,25 @@ class _PinkFollower:
         self._relative = tasks.RelativeFrameTask(e2, e1, position_cost=1.0, orientation_cost=1.0)
         self._tasks = [self._relative, tasks.DampingTask(cost=1e-3)]
         if manipulability > 0.0:
-            self._tasks.append(
-                # Pink counts the wish per step, not per second: 1/s would jump at the first step.
-                tasks.ManipulabilityTask(
-                    e2, self._model, cost=manipulability, manipulability_rate=dt
-                )
-            )
+            # Pink counts the wish per step, not per second: 1/s would jump at the first step.
+            wish = {"cost": manipulability, "manipulability_rate": self._dt}
+            self._tasks.append(tasks.ManipulabilityTask(e2, self._model, **wish))
 
-    def follow(self, q: Array, problem: Any, i: int, substeps: int) -> tuple[Array, bool]:
-        """Go from point i - 1 to point i; return the joints and whether every step was solved."""
+    def __call__(self, i: int, q: Array) -> tuple[Array, bool]:
+        """Go from point i - 1 to point i; return the joints and whether a step was not solved."""
         import pinocchio as pin
 
-        first = pin.SE3(problem.points.rotation[i - 1], problem.points.position[i - 1])
-        last = pin.SE3(problem.points.rotation[i], problem.points.position[i])
+        problem = self._problem
         at = np.clip(q, problem.lower, problem.upper)
-        for s in range(1, substeps + 1):
-            share = s / substeps
-            turn = pin.exp3(share * pin.log3(first.rotation.T @ last.rotation))
-            place = (1.0 - share) * first.translation + share * last.translation
-            self._relative.set_target(pin.SE3(first.rotation @ turn, place))
+        for s in range(1, self._substeps + 1):
+            position, rotation = pose_between(problem, i, s / self._substeps)
+            self._relative.set_target(pin.SE3(rotation, position))
             configuration = self._pink.Configuration(self._model, self._model.createData(), at)
             try:
                 velocity = self._pink.solve_ik(
                     configuration, self._tasks, self._dt, solver="quadprog", limits=self._limits
                 )
             except self._pink.PinkError:
-                return at, False
+                return at, True
             at = np.clip(at + velocity * self._dt, problem.lower, problem.upper)
-        return at, True
+        return at, False

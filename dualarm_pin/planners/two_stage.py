@@ -10,17 +10,18 @@ from __future__ import annotations
 
 import itertools
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from contextlib import nullcontext
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualarm_pin.answer.evidence import Evidence, LawCount
 from dualarm_pin.answer.notes import TwoStageNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.arrays import Array
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
@@ -33,7 +34,6 @@ from dualarm_pin.solvers.solver import Solver, cut_off, name_of, solve_one
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
-Array = NDArray[np.float64]
 Known = dict[int, Array]  # joints (n,) by point of the path
 
 
@@ -77,48 +77,29 @@ def plan_two_stage(
         The best trajectory; `found` is False where no start reached every point.
     """
     clock = Clock.start()
-    own = workers is None
-    pool = workers or Workers(jobs)
-    try:
-        problem = task.problem()
-        Gamma = task.Gamma
-        first = problem.subset(Gamma, task.link_weights(Gamma, task.stage_1_smoothness))
-        drawn = common_postures(
-            problem.lower, problem.upper, len(Gamma), starts, generator(seed, 1)
-        )
-        progress.stage(f"stage 1: {len(Gamma)} points, {starts} starts", starts)
-        found = _solve_all(pool, [(solver, first, start) for start in drawn], progress)
+    with nullcontext(workers) if workers is not None else Workers(jobs) as pool:
+        problem, Gamma = task.problem(), task.Gamma
+        stages = _Stages(task, problem, solver, inner, seed, pool, progress)
+        found = stages.first(starts)
         feasible = sum(end.feasible for end in found)
         if not feasible and pool.interrupted:
             raise KeyboardInterrupt  # nothing is finished that could be kept
-        if not feasible:
-            return unreachable(task, problem, "two-stage", name_of(solver), seed, clock)
-        minima = distinct(Solutions.of(found))
-        progress.line(
-            f"stage 1: {feasible} of {starts} starts feasible, {len(minima)} distinct minima, "
-            f"best {minima.ends.objective[0]:.4f}"
-        )
-        candidates = [dict(zip(Gamma, q, strict=True)) for q in minima.ends.q[:basins]]
-        few = max(1, starts // 10)
-        paths = _fill_all(task, problem, candidates, few, inner, seed, solver, pool, progress)
-        if paths and starts > few and not pool.interrupted:
-            # The leader gets the full number of starts, the rest had the likely ones.
-            leader = [candidates[paths[0][0]]]
-            again = _fill_all(task, problem, leader, starts, inner, seed, solver, pool, progress)
-            paths = sorted([*paths, *again], key=lambda path: path[1])
-        if not paths and pool.interrupted:
-            # One basin with the likely start takes a second: better a whole path than none.
-            progress.line("stopped: filling in the best answer so far")
-            with Workers(1) as here:
-                paths = _fill_all(
-                    task, problem, candidates[:1], 1, inner, seed, solver, here, progress
-                )
+        candidates: list[Known] = []
+        paths: list[_Filled] = []
+        if feasible:
+            minima = distinct(Solutions.of(found))
+            progress.line(
+                f"stage 1: {feasible} of {starts} starts feasible, {len(minima)} distinct minima, "
+                f"best {minima.ends.objective[0]:.4f}"
+            )
+            candidates = [dict(zip(Gamma, q, strict=True)) for q in minima.ends.q[:basins]]
+            paths = stages.second(candidates, starts)
         if not paths:
             return unreachable(task, problem, "two-stage", name_of(solver), seed, clock)
         law = LawCount(starts, feasible, len(minima), int(minima.hits[0]))
         return verified(
             task,
-            paths[0][2],
+            paths[0].q,
             method="two-stage",
             solver=name_of(solver),
             timing=clock.read(workers_cpu_s=pool.cpu_s),
@@ -131,63 +112,106 @@ def plan_two_stage(
                 interrupted=pool.interrupted,
             ),
         )
-    finally:
-        if own:
-            pool.close()
 
 
-def _fill_all(
-    task: Task,
-    problem: Problem,
-    basins: Sequence[Known],
-    starts: int,
-    inner: int,
-    seed: int,
-    solver: Solver,
-    pool: Workers,
-    progress: Progress,
-) -> list[tuple[int, float, Array]]:
-    """Fill every gap of every basin; return (basin, objective (eq. 19), q (h, n)), best first."""
-    filled: dict[int, Known] = {number: dict(basin) for number, basin in enumerate(basins)}
-    level = 0
-    while True:
-        gaps = [
-            (number, gap)
-            for number, known in filled.items()
-            for gap in _gaps(sorted(known), task.path.h, inner)
-        ]
-        if not gaps:
-            break
-        level += 1
-        progress.stage(
-            f"stage 2: {len(filled)} basins, {len(gaps)} gaps, {starts} starts each",
-            len(gaps) * starts,
-        )
-        runs, owner = [], []
-        for number, gap in gaps:
-            between = _gap_problem(task, problem, filled[number], gap)
-            for start in _gap_starts(between, gap, filled[number], starts, seed, level):
-                runs.append((solver, between, start))
-                owner.append((number, gap))
-        found = _solve_all(pool, runs, progress)
-        for number, gap in gaps:
-            mine = [
-                end
-                for end, who in zip(found, owner, strict=True)
-                if who == (number, gap) and end.feasible
+class _Filled(NamedTuple):
+    """A basin with every point found: its number, objective (eq. 19), and joints (h, n)."""
+
+    basin: int
+    objective: float
+    q: Array
+
+
+@dataclass(frozen=True)
+class _Stages:
+    """Both stages with what they share; see `plan_two_stage`."""
+
+    task: Task
+    problem: Problem
+    solver: Solver
+    inner: int
+    seed: int
+    pool: Workers
+    progress: Progress
+
+    def first(self, starts: int) -> list[Solution]:
+        """Solve (eq. 19) over Gamma from starts of one posture for all its points."""
+        task, problem = self.task, self.problem
+        weights = task.link_weights(task.Gamma, task.stage_1_smoothness)
+        first, random = problem.subset(task.Gamma, weights), generator(self.seed, 1)
+        drawn = common_postures(problem.lower, problem.upper, first.k, starts, random)
+        self.progress.stage(f"stage 1: {first.k} points, {starts} starts", starts)
+        return self.solve([(first, start) for start in drawn])
+
+    def second(self, candidates: Sequence[Known], starts: int) -> list[_Filled]:
+        """Fill the basins, the best of them with all the starts; return the paths, best first."""
+        few = max(1, starts // 10)
+        paths = self.fill(candidates, few)
+        if paths and starts > few and not self.pool.interrupted:
+            # The leader gets the full number of starts, the rest had the likely ones.
+            again = self.fill([candidates[paths[0].basin]], starts)
+            paths = sorted([*paths, *again], key=lambda path: path.objective)
+        if not paths and self.pool.interrupted:
+            # One basin with the likely start takes a second: better a whole path than none.
+            self.progress.line("stopped: filling in the best answer so far")
+            with Workers(1) as here:
+                paths = replace(self, pool=here).fill(candidates[:1], 1)
+        return paths
+
+    def fill(self, basins: Sequence[Known], starts: int) -> list[_Filled]:
+        """Fill every gap of every basin by (eq. 20); one that cannot be continued is left out."""
+        h, progress = self.task.path.h, self.progress
+        filled = {number: dict(basin) for number, basin in enumerate(basins)}
+        for level in itertools.count(1):
+            gaps = [
+                (number, gap)
+                for number, known in filled.items()
+                for gap in _gaps(sorted(known), h, self.inner)
             ]
-            if number not in filled:
-                continue
-            if not mine:
-                del filled[number]  # this basin cannot be continued
-                continue
-            best = min(mine, key=lambda end: end.objective)
-            filled[number] |= dict(zip(gap.inner, best.q, strict=True))
-    paths = []
-    for number, known in filled.items():
-        q = np.array([known[point] for point in range(task.path.h)])
-        paths.append((number, problem.objective(q), q))
-    return sorted(paths, key=lambda path: path[1])
+            if not gaps:
+                break
+            progress.stage(
+                f"stage 2: {len(filled)} basins, {len(gaps)} gaps, {starts} starts each",
+                len(gaps) * starts,
+            )
+            runs = []
+            for number, gap in gaps:
+                between = self.between(filled[number], gap)
+                drawn = _gap_starts(between, gap, filled[number], starts, self.seed, level)
+                runs += [(between, start) for start in drawn]
+            found = self.solve(runs)
+            for place, (number, gap) in enumerate(gaps):
+                ends = found[place * starts : (place + 1) * starts]
+                best = min(
+                    (end for end in ends if end.feasible),
+                    key=lambda end: end.objective,
+                    default=None,
+                )
+                if best is None:
+                    filled.pop(number, None)
+                elif number in filled:
+                    filled[number] |= dict(zip(gap.inner, best.q, strict=True))
+        paths = []
+        for number, known in filled.items():
+            q = np.array([known[point] for point in range(h)])
+            paths.append(_Filled(number, self.problem.objective(q), q))
+        return sorted(paths, key=lambda path: path.objective)
+
+    def between(self, known: Known, gap: _Gap) -> Problem:
+        """Return the problem (eq. 20) of the points of a gap, its ends fixed."""
+        points = (gap.before, *gap.inner, gap.after)
+        weights = self.task.link_weights(points, self.task.smoothness)
+        ends = {"before": known[gap.before], "after": known[gap.after]}
+        return self.problem.subset(gap.inner, weights, **ends)
+
+    def solve(self, runs: Sequence[tuple[Problem, Array]]) -> list[Solution]:
+        """Solve each; a start that Ctrl-C cut off is solved no more and counts as infeasible."""
+        calls = [(self.solver, *run) for run in runs]
+        found = self.pool.run(solve_one, calls, self.progress.advance)
+        return [
+            cut_off(start) if end is None else end
+            for end, (_, start) in zip(found, runs, strict=True)
+        ]
 
 
 def _gaps(known: Sequence[int], h: int, inner: int) -> list[_Gap]:
@@ -202,11 +226,6 @@ def _gaps(known: Sequence[int], h: int, inner: int) -> list[_Gap]:
     return gaps
 
 
-def _gap_problem(task: Task, problem: Problem, known: Known, gap: _Gap) -> Problem:
-    weights = task.link_weights((gap.before, *gap.inner, gap.after), task.smoothness)
-    return problem.subset(gap.inner, weights, before=known[gap.before], after=known[gap.after])
-
-
 def _gap_starts(
     problem: Problem, gap: _Gap, known: Known, starts: int, seed: int, level: int
 ) -> list[Array]:
@@ -216,11 +235,3 @@ def _gap_starts(
     random = generator(seed, 2, level, gap.before)
     drawn = common_postures(problem.lower, problem.upper, problem.k, starts - 1, random)
     return [linear, *drawn]
-
-
-def _solve_all(
-    pool: Workers, runs: Sequence[tuple[Solver, Problem, Array]], progress: Progress
-) -> list[Solution]:
-    """Solve each; a start that Ctrl-C cut off is solved no more and counts as infeasible."""
-    found = pool.run(solve_one, runs, progress.advance)
-    return [cut_off(run[2]) if end is None else end for end, run in zip(found, runs, strict=True)]

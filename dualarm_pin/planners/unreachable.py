@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import generator
 from dualarm_pin.solvers.projection import project_point
@@ -17,8 +17,6 @@ from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
-
-Array = NDArray[np.float64]
 
 
 def feasible_postures(

@@ -11,13 +11,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-from dualarm_pin.arrays import finite, unit
+from dualarm_pin.arrays import Array, finite, unit
 from dualarm_pin.errors import InputError
 from dualarm_pin.rows.row import WORLD, Row
-
-Array = NDArray[np.float64]
 
 
 def half_space(

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.relative import Relative
-
-Array = NDArray[np.float64]
 
 
 def pose_residual(

@@ -16,15 +16,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.relative import relative_motion
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
 
-Array = NDArray[np.float64]
 Value = Callable[[Array, Array, Array], float]
 Derivative = Callable[[Array, Array, Array], Array]
 Turn = Callable[[Array, Array], Array]

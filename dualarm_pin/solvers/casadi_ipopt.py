@@ -11,8 +11,8 @@ import weakref
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.chain import quaternion_of
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.solution import Solution
@@ -28,13 +28,10 @@ from dualarm_pin.solvers.solver import judged
 if TYPE_CHECKING:
     from dualarm_pin.problem import Problem
 
-Array = NDArray[np.float64]
 Plugin = Literal["ipopt", "fatrop"]
 PLUGINS: tuple[Plugin, ...] = get_args(Plugin)
 _OPTIONS: dict[str, dict[str, Any]] = {
-    "ipopt": {
-        "ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-8, "max_iter": 1000},
-    },
+    "ipopt": {"ipopt": {"print_level": 0, "sb": "yes", "tol": 1e-8, "max_iter": 1000}},
     "fatrop": {
         "structure_detection": "manual",
         # At 1e-8 it often stops short of its own tolerance, at the same objective to 1e-6.
@@ -80,7 +77,7 @@ class Programme:
     """A problem as CasADi's `nlpsol` takes it.
 
     IPOPT gets the joints x_i alone. fatrop gets the same as an optimal control problem, which is
-    the form its recursion needs: states x_i, controls s_i = x_{i+1} - x_i.
+    the form its recursion needs: states x_i, controls s_i = x_{i+1} - x_i, stage by stage.
     """
 
     def __init__(self, problem: Problem, plugin: str, expand: bool = True) -> None:
@@ -89,40 +86,20 @@ class Programme:
         # A strong reference would keep the problem, and with it this programme, for good.
         self._problem = weakref.ref(problem)
         self.plugin = plugin
-        options = {"print_time": False, "error_on_fail": False, "expand": expand}
+        options: dict[str, Any] = {"print_time": False, "error_on_fail": False, "expand": expand}
         options |= _OPTIONS[plugin]
         k, n = problem.k, problem.n
-        terms = _Terms(ca, problem)
-        if plugin == "ipopt":
-            x = ca.MX.sym("x", n, k)
-            rows = [terms.rows(i, x[:, i]) for i in range(k)]
-            self._most = np.concatenate([terms.most(i) for i in range(k)])
-            cost = sum(terms.point(i, x[:, i]) for i in range(k))
-            cost += sum(terms.link(i, x[:, i + 1] - x[:, i]) for i in range(k - 1))
-            nlp = {"x": ca.vec(x), "f": cost, "g": ca.vertcat(*rows)}
-            self._lower = np.tile(problem.lower, k)
-            self._upper = np.tile(problem.upper, k)
-        else:
-            nlp, options = self._stages(ca, problem, terms, options)
-        self._solver = ca.nlpsol("solver", plugin, nlp, options)
-        self.build_s = time.perf_counter() - begun
-
-    def _stages(
-        self, ca: Any, problem: Problem, terms: _Terms, options: dict[str, Any]
-    ) -> tuple[dict[str, Any], dict[str, Any]]:
-        """Return the problem stage by stage: x_0, s_0, x_1, s_1, ..., x_{k-1}."""
-        k, n = problem.k, problem.n
+        terms, staged, endless = _Terms(ca, problem), plugin == "fatrop", np.full(n, np.inf)
         x = [ca.MX.sym(f"x{i}", n) for i in range(k)]
-        s = [ca.MX.sym(f"s{i}", n) for i in range(k - 1)]
-        variables, rows, lower, upper, most = [], [], [], [], []
+        s = [ca.MX.sym(f"s{i}", n) if staged else x[i + 1] - x[i] for i in range(k - 1)]
         cost = sum(terms.point(i, x[i]) for i in range(k))
         cost += sum(terms.link(i, s[i]) for i in range(k - 1))
-        endless = np.full(n, np.inf)
+        variables, rows, lower, upper, most = [], [], [], [], []
         for i in range(k):
             variables.append(x[i])
             lower.append(problem.lower)
             upper.append(problem.upper)
-            if i < k - 1:
+            if staged and i < k - 1:
                 variables.append(s[i])
                 lower.append(-endless)
                 upper.append(endless)
@@ -130,17 +107,15 @@ class Programme:
                 most.append(np.zeros(n))
             rows.append(terms.rows(i, x[i]))
             most.append(terms.most(i))
-        shape = {
-            "N": k - 1,
-            "nx": [n] * k,
-            "nu": [n] * (k - 1) + [0],
-            "ng": [len(terms.most(i)) for i in range(k)],
-        }
-        self._most = np.concatenate(most)
-        equality = (self._most == 0.0).tolist()
         self._lower, self._upper = np.concatenate(lower), np.concatenate(upper)
+        self._most = np.concatenate(most)
+        if staged:
+            options |= {"N": k - 1, "nx": [n] * k, "nu": [n] * (k - 1) + [0]}
+            options |= {"ng": [len(terms.most(i)) for i in range(k)]}
+            options |= {"equality": (self._most == 0.0).tolist()}
         nlp = {"x": ca.vertcat(*variables), "f": cost, "g": ca.vertcat(*rows)}
-        return nlp, options | shape | {"equality": equality}
+        self._solver = ca.nlpsol("solver", plugin, nlp, options)
+        self.build_s = time.perf_counter() - begun
 
     def solve(self, start: Array) -> Solution:
         """Minimise from `start` (k, n)."""

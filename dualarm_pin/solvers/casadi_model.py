@@ -9,8 +9,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+import pinocchio as pin
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.chain import REVOLUTE, VARIABLE, body_of, chain_of
 from dualarm_pin.errors import InputError, MissingExtraError
 
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
     from dualarm_pin.indices import Index
     from dualarm_pin.rows import Row
 
-Array = NDArray[np.float64]
 Expression = Any  # casadi.SX
 
 
@@ -173,14 +173,7 @@ def _product(ca: Any, a: Expression, b: Expression) -> Expression:
 
 
 def _matrix(quaternion: Array) -> Array:
-    w, x, y, z = quaternion
-    matrix = np.array(
-        [
-            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
-            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
-            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
-        ]
-    )
+    matrix = np.array(pin.Quaternion(*quaternion).matrix())
     matrix[np.abs(matrix) < 1e-15] = 0.0  # right angles stay sparse
     return matrix
 

@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, inequalities
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
-Array = NDArray[np.float64]
 # Marquardt (1963): the damping falls after a good step and grows after a bad one. The factors are
 # habit, not tuned; below the least it is lost in rounding, above the most the step is too.
 _FIRST, _LEAST, _MOST = 1e-3, 1e-14, 1e8
@@ -42,7 +41,12 @@ def project_point(
     for _ in range(iterations):
         if np.max(np.abs(residual)) <= tolerance:
             break
-        trial, trial_residual, trial_J = _step(problem, i, q, residual, J, damping)
+        downhill = -J.T @ residual
+        held = ((q <= problem.lower) & (downhill < 0)) | ((q >= problem.upper) & (downhill > 0))
+        Jf = J * ~held
+        pull = np.linalg.solve(Jf @ Jf.T + damping * np.eye(len(residual)), residual)
+        trial = np.clip(q - Jf.T @ pull, problem.lower, problem.upper)
+        trial_residual, trial_J = _lacking(problem, i, trial)
         if trial_residual @ trial_residual < residual @ residual:
             q, residual, J = trial, trial_residual, trial_J
             damping = max(damping * _EASED, _LEAST)
@@ -71,18 +75,6 @@ def project(
         projected.append(found)
         worst = max(worst, residual)
     return np.array(projected), worst
-
-
-def _step(
-    problem: Problem, i: int, q: Array, residual: Array, J: Array, damping: float
-) -> tuple[Array, Array, Array]:
-    downhill = -J.T @ residual
-    held = ((q <= problem.lower) & (downhill < 0)) | ((q >= problem.upper) & (downhill > 0))
-    free = np.where(held, 0.0, 1.0)
-    Jf = J * free
-    normal = Jf @ Jf.T + damping * np.eye(len(residual))
-    trial = np.clip(q - Jf.T @ np.linalg.solve(normal, residual), problem.lower, problem.upper)
-    return trial, *_lacking(problem, i, trial)
 
 
 def _lacking(problem: Problem, i: int, q: Array) -> tuple[Array, Array]:

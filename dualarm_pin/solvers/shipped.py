@@ -2,23 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, Unpack
 
-import numpy as np
-from numpy.typing import NDArray
-
+from dualarm_pin.arrays import Array
 from dualarm_pin.solution import Solution, Solutions
-from dualarm_pin.solvers.solver import Solver
+from dualarm_pin.solvers.solver import ManyOptions, Solver
 
 if TYPE_CHECKING:
     from dualarm_pin.engine.solve import Options
     from dualarm_pin.problem import Problem
     from dualarm_pin.solvers.casadi_ipopt import Plugin
     from dualarm_pin.solvers.slsqp import SlsqpOptions
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -38,22 +33,15 @@ class InteriorPoint:
 
         return interior_point.solve(problem, start, self.options)
 
-    def solve_many(
-        self,
-        problem: Problem,
-        starts: Array,
-        *,
-        jobs: int | None = None,
-        points: Sequence[int] | None = None,
-        iterations: int | None = None,
-    ) -> Solutions:
+    def solve_many(self, problem: Problem, starts: Array, **how: Unpack[ManyOptions]) -> Solutions:
         """Minimise from many starts over threads; see `ManyStarts`."""
         from dualarm_pin.engine.solve import Options
         from dualarm_pin.solvers import interior_point
 
-        options = self.options
-        if iterations is not None:
-            options = replace(options or Options(), iterations=iterations)
+        options, most = self.options, how.get("iterations")
+        if most is not None:
+            options = replace(options or Options(), iterations=most)
+        jobs, points = how.get("jobs"), how.get("points")
         return interior_point.solve_many(problem, starts, jobs=jobs, options=options, points=points)
 
 

@@ -14,6 +14,7 @@ import nlopt
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import coupling, equalities, inequalities, point_gradient, violation
 from dualarm_pin.relative import Relative
@@ -21,9 +22,6 @@ from dualarm_pin.solution import Solution
 from dualarm_pin.solvers.projection import project
 from dualarm_pin.tolerance import TOLERANCE
 
-Array = NDArray[np.float64]
-
-NAME = "nlopt-slsqp"
 _LAST_STEPS = 20  # from near the path a few are enough; rounding may keep the rest from ending
 _REASONS = {
     nlopt.SUCCESS: "converged",

@@ -8,11 +8,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING, Protocol, TypedDict, Unpack, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.reference import violation
 from dualarm_pin.solution import Solution, Solutions
@@ -20,8 +20,6 @@ from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.problem import Problem
-
-Array = NDArray[np.float64]
 
 
 class Solver(Protocol):
@@ -31,27 +29,25 @@ class Solver(Protocol):
         """Return where the start (k, n) ends, judged by residuals of its own: see `judged`."""
 
 
+class ManyOptions(TypedDict, total=False):
+    """How many starts are solved at once.
+
+    Attributes:
+        jobs: Threads; None takes the processors there are.
+        points: For each start the one point of the path that it solves alone (s,).
+        iterations: Most iterations of a start; None leaves it to the solver.
+    """
+
+    jobs: int | None
+    points: Sequence[int] | None
+    iterations: int | None
+
+
 class ManyStarts(Solver, Protocol):
     """A solver that is faster with many starts at hand."""
 
-    def solve_many(
-        self,
-        problem: Problem,
-        starts: Array,
-        *,
-        jobs: int | None = None,
-        points: Sequence[int] | None = None,
-        iterations: int | None = None,
-    ) -> Solutions:
-        """Return the ends of the starts, the same for any number of jobs.
-
-        Args:
-            problem: The problem.
-            starts: Joints (s, k, n), or (s, 1, n) with `points`.
-            jobs: Threads; None takes the processors there are.
-            points: For each start the one point of the path that it solves alone (s,).
-            iterations: Most iterations of a start; None leaves it to the solver.
-        """
+    def solve_many(self, problem: Problem, starts: Array, **how: Unpack[ManyOptions]) -> Solutions:
+        """Return the ends of starts (s, k, n), or (s, 1, n) with `points`; alike for any jobs."""
 
 
 def judged(
@@ -89,23 +85,16 @@ def judged(
 
 
 def solve_many(
-    solver: Solver,
-    problem: Problem,
-    starts: Array,
-    *,
-    jobs: int | None = None,
-    points: Sequence[int] | None = None,
-    iterations: int | None = None,
+    solver: Solver, problem: Problem, starts: Array, **how: Unpack[ManyOptions]
 ) -> Solutions:
     """Return the ends of many starts: all at once where the solver can, else start by start.
 
     The arguments are those of `ManyStarts.solve_many`. After Ctrl-C the ends are those that were
     finished, the rest infeasible and `interrupted` set.
     """
-    many = getattr(solver, "solve_many", None)
-    if many is not None:
-        ends: Solutions = many(problem, starts, jobs=jobs, points=points, iterations=iterations)
-        return ends
+    if hasattr(solver, "solve_many"):
+        return cast(ManyStarts, solver).solve_many(problem, starts, **how)
+    points = how.get("points")
     parts = [problem] * len(starts)
     if points is not None:
         alone = {point: problem.subset([point], 0.0) for point in set(points)}

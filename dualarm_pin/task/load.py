@@ -7,11 +7,11 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError
-from dualarm_pin.files.call import CallSpec, own_function, refuse_calls
+from dualarm_pin.files.call import own_functions
 from dualarm_pin.files.read_task import read_task
 from dualarm_pin.files.source import Source, check
 from dualarm_pin.indices.spec import IndexSpec, load_index
@@ -21,8 +21,6 @@ from dualarm_pin.path.load import load_path
 from dualarm_pin.rows.spec import load_rows
 from dualarm_pin.task.record import task_record
 from dualarm_pin.task.spec import SmoothnessSpec, TaskSpec
-
-Array = NDArray[np.float64]
 
 
 def parts_of_task(
@@ -42,38 +40,35 @@ def parts_of_task(
         InputError: As `Task.load`.
     """
     source, cell_source, keys = read_task(file, overrides)
-    refuse_calls(source, allow_code=allow_code)
     spec = check(source, TaskSpec)
+    own = own_functions(source, spec.calls, allow_code=allow_code)
+    record = task_record(source, cell_source, keys, own.values())
     cell = Cell.from_source(cell_source, keys)
     with source.blamed():
-        path = load_path(spec.path, source)
-        direction = _direction(spec.index, path)
+        path = load_path(spec.path, source, own.get(("path",)))
+        index = load_index(spec.index, own.get(("index",)))
+        row_functions = [own.get(("constraints", i)) for i in range(len(spec.constraints))]
+        rows = load_rows(spec.constraints, row_functions, cell, path.h)
         smooth = spec.smoothness
         if not isinstance(smooth, SmoothnessSpec):
             smooth = SmoothnessSpec(weight=smooth)
         parts = {
             "cell": cell,
-            "path": path if direction is None else path.with_direction(direction),
-            "index": load_index(spec.index, source),
+            "path": _directed(path, spec.index),
+            "index": index,
             "smoothness": smooth.weight,
             "stage_1_smoothness": spec.two_stage.smoothness,
-            "Gamma": _Gamma(spec.two_stage.Gamma, path),
             "metric": _metric(smooth, cell),
             "per_arc_length": smooth.per_arc_length,
-            "rows": load_rows(spec.constraints, source, cell, path.h),
-            "method": _named_or_own(spec.method, source, "method"),
-            "solver": _named_or_own(spec.solver, source, "solver"),
+            "rows": rows,
             "name": source.path.stem,
-            "record": task_record(source, cell_source, keys),
+            "record": record,
+            "Gamma": _Gamma(spec.two_stage.Gamma, path),
         }
+        for key, named in (("method", spec.method), ("solver", spec.solver)):
+            function = own.get((key,))
+            parts[key] = named if function is None else function.instance()
     return source, parts
-
-
-def _named_or_own(named: str | CallSpec | None, source: Source, key: str) -> Any:
-    """Return a name as it is, and a `call` as the function itself; of a class, an instance."""
-    if not isinstance(named, CallSpec):
-        return named
-    return own_function(source, [key]).instance()
 
 
 def _Gamma(given: Sequence[int] | int | None, path: Path) -> tuple[int, ...]:
@@ -83,23 +78,23 @@ def _Gamma(given: Sequence[int] | int | None, path: Path) -> tuple[int, ...]:
     return tuple(point - 1 for point in given)
 
 
-def _direction(spec: IndexSpec, path: Path) -> Array | None:
-    """Return the direction that the index asks for, (6,) or (h, 6); None leaves that of the path.
+def _directed(path: Path, spec: IndexSpec) -> Path:
+    """Return the path with the direction that the index asks for; `path` leaves its own.
 
     They differ where a file of points brings directions of its own.
     """
     given = spec.direction
     if given == "path":
-        return None
+        return path
     if given == "tangent":
-        return np.hstack([path.tangent, np.zeros((path.h, 3))])
+        return path.with_direction(np.hstack([path.tangent, np.zeros((path.h, 3))]))
     u = np.zeros(6)
     u[: len(given)] = given
     length = float(np.linalg.norm(u))
     if length == 0.0:
-        field = ".".join(("index", *spec.place("direction")))
+        field = ".".join(("index", *spec.place, "direction"))
         raise InputError("the direction is zero", field=field)
-    return u / length
+    return path.with_direction(u / length)
 
 
 def _metric(smooth: SmoothnessSpec, cell: Cell) -> Array:

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from dualarm_pin.files.call import CallSpec
+from dualarm_pin.files.call import CallSpec, Place
 from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec, Weight
 from dualarm_pin.path.spec import PathSpec
@@ -52,3 +52,12 @@ class TaskSpec(Spec):
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)
+
+    @property
+    def calls(self) -> dict[Place, CallSpec]:
+        """Where it calls code of the user's own; a path's arguments are checked when it is made."""
+        path = self.path.call and CallSpec(call=self.path.call.call)
+        sections: dict[Place, object] = {("path",): path, ("index",): self.index.call}
+        sections |= {("constraints", i): row.call for i, row in enumerate(self.constraints)}
+        sections |= {("method",): self.method, ("solver",): self.solver}
+        return {place: call for place, call in sections.items() if isinstance(call, CallSpec)}

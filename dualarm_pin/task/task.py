@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 import io
-import itertools
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from ruamel.yaml import YAML
 
 from dualarm_pin import indices
+from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.indices import Index
@@ -24,7 +23,6 @@ from dualarm_pin.rows import Row
 from dualarm_pin.solvers.solver import Solver
 from dualarm_pin.task.load import parts_of_task
 
-Array = NDArray[np.float64]
 LEAST_POINTS = 2  # one alone is no path
 
 
@@ -84,7 +82,7 @@ class Task:
         object.__setattr__(self, "metric", metric)
         if not self.Gamma:
             object.__setattr__(self, "Gamma", choose_Gamma(self.path, min(6, h)))
-        elif self.Gamma[0] != 0 or self.Gamma[-1] != h - 1 or not _increasing(self.Gamma):
+        elif (self.Gamma[0], self.Gamma[-1]) != (0, h - 1) or np.any(np.diff(self.Gamma) < 1):
             raise InputError(
                 f"expected increasing points from 1 to {h}, both among them; "
                 f"given {[point + 1 for point in self.Gamma]}",
@@ -151,7 +149,3 @@ class Task:
         writer.default_flow_style = None
         writer.dump(dict(self.record), text)
         return text.getvalue()
-
-
-def _increasing(points: Sequence[int]) -> bool:
-    return all(a < b for a, b in itertools.pairwise(points))
