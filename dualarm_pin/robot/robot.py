@@ -8,6 +8,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
+from dualarm_pin.errors import InputError
+
 Triple = tuple[float, float, float]
 MOVING = ("revolute", "continuous", "prismatic")
 KINDS = ("fixed", *MOVING, "floating", "planar")
@@ -105,6 +107,10 @@ class UrdfJoint:
     def moves(self) -> bool:
         """Whether it has one degree of freedom."""
         return self.kind in MOVING
+
+    def error(self, message: str, file: Path) -> InputError:
+        """Return an error at this joint of `file`."""
+        return InputError(message, file=file, line=self.line, field=f"joint {self.name!r}")
 
 
 @dataclass(frozen=True)
