@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from typing import Literal
 
-from dualarm_pin.robot.robot import Inertial, Shape, Triple
+from dualarm_pin.robot.robot import MOMENTS, Inertial, Shape, Triple
 from dualarm_pin.robot.xml import HUGE, Element
 
 _NONE = (0.0, 0.0, 0.0)
-_MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 _Kind = Literal["mesh", "box", "cylinder", "sphere", "capsule"]
 # Attributes that give the size. One that is missing is negative, and refused.
 _PRIMITIVES: dict[str, tuple[_Kind, tuple[tuple[str, tuple[float, ...]], ...]]] = {
@@ -48,13 +47,13 @@ def inertial(link: Element) -> Inertial | None:
         message = f"mass {mass:g} kg is negative; give a positive mass or leave <inertial> out"
         raise element.error(message)
     child = element.child("inertia")
-    values = [child.number(key) for key in _MOMENTS]
+    values = [child.number(key) for key in MOMENTS]
     if mass is None or None in values:
         message = f"{document.file.name}: {link.owner}: <inertial> is incomplete and was left out"
         document.warnings.append(message)
         return None
     moments = tuple(value or 0.0 for value in values)
-    negative = [f"{_MOMENTS[k]}={moments[k]:g}" for k in (0, 3, 5) if moments[k] < 0]
+    negative = [f"{MOMENTS[k]}={moments[k]:g}" for k in (0, 3, 5) if moments[k] < 0]
     if negative:  # seen in the field (icub)
         document.warnings.append(
             f"{document.file.name}:{child.line}: {link.owner}: a moment of "

@@ -12,6 +12,7 @@ from dualarm_pin.errors import InputError
 
 Triple = tuple[float, float, float]
 MOVING = ("revolute", "continuous", "prismatic")
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 KINDS = ("fixed", *MOVING, "floating", "planar")
 
 
@@ -40,7 +41,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Inertial:
-    """Mass [kg], pose of the centre of mass, and inertia ixx ixy ixz iyy iyz izz [kg m^2]."""
+    """Mass [kg], pose of the centre of mass, and inertia, the `MOMENTS` [kg m^2]."""
 
     mass: float
     xyz: Triple
