@@ -26,12 +26,7 @@ BASE, TOOL = "base", "tool:"  # joints: that of a robot by its number from 1, th
 
 
 def merged_urdf(robots: Sequence[PlacedRobot], tools: Mapping[str, tuple[str, pin.SE3]]) -> str:
-    """Return the URDF text of the cell.
-
-    Args:
-        robots: The placed URDFs.
-        tools: Tool frame to (frame that carries it, pose in that frame).
-    """
+    """Return the URDF text; `tools`: tool frame to (frame that carries it, pose in that frame)."""
     lines = [f'<robot name="{WORLD}">', f'<link name="{WORLD}"/>']
     for number, placed in enumerate(robots, start=1):
         frames = placed.frames

@@ -22,7 +22,7 @@ def placement_pose(placement: PlacementSpec | None) -> pin.SE3:
     if placement is None:
         return pin.SE3.Identity()
     if placement.rotation is not None:
-        rotation = rotations(placement.rotation, (1, 3, 3))[0]
+        rotation = pin.Quaternion(np.array(placement.rotation)).normalized().toRotationMatrix()
         return pin.SE3(rotation, np.array(placement.xyz))
     rpy = placement.rpy or (0.0, 0.0, 0.0)
     if placement.rpy_deg is not None:

@@ -7,9 +7,10 @@ from typing import Any
 import numpy as np
 import pinocchio as pin
 
-from dualarm_pin.cell.poses import placement_pose
+from dualarm_pin.arrays import rotations
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.call import ModuleAndFunction, own_function
+from dualarm_pin.files.cell_spec import PlacementSpec
 from dualarm_pin.files.signature import ArgumentsSpec, spec_of
 from dualarm_pin.files.source import Key, Source, check
 from dualarm_pin.path.path import Path
@@ -85,5 +86,14 @@ def _hold(spec: HoldSpec) -> dict[str, Any]:
     if spec.rpy_deg is not None:
         how["rotation"] = pin.rpy.rpyToMatrix(*np.radians(spec.rpy_deg))
     if spec.frame is not None:
-        how["frame"] = placement_pose(spec.frame)
+        how["frame"] = _frame(spec.frame)
     return how
+
+
+def _frame(spec: PlacementSpec) -> pin.SE3:
+    rotation = pin.rpy.rpyToMatrix(*(spec.rpy or (0.0, 0.0, 0.0)))
+    if spec.rpy_deg is not None:
+        rotation = pin.rpy.rpyToMatrix(*np.radians(spec.rpy_deg))
+    if spec.rotation is not None:
+        rotation = rotations(spec.rotation, (1, 3, 3))[0]
+    return pin.SE3(rotation, np.array(spec.xyz))

@@ -18,7 +18,7 @@ the docstring of the generator of the same name.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Literal, Self
 
 from pydantic import create_model, model_validator
 
@@ -26,8 +26,9 @@ from dualarm_pin.files.call import CallSpec, call_apart
 from dualarm_pin.files.cell_spec import PlacementSpec, Vector
 from dualarm_pin.files.signature import spec_of
 from dualarm_pin.files.source import Spec
-from dualarm_pin.path.generators.follow import Free, Orientation
 from dualarm_pin.path.paths import GENERATORS
+
+Free = Literal["none", "spin", "rotation"]
 
 
 class HoldSpec(Spec):
@@ -35,7 +36,7 @@ class HoldSpec(Spec):
 
     rotation: tuple[Vector, Vector, Vector] | None = None
     rpy_deg: Vector | None = None
-    orientation: Orientation | None = None
+    orientation: Literal["constant", "tangent", "normal", "normal_tangent"] | None = None
     free: Free | list[Free] = "none"
     spin_axis: Vector = (0.0, 0.0, 1.0)
     frame: PlacementSpec | None = None
