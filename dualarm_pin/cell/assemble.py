@@ -13,7 +13,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.cell.chains import Chains
 from dualarm_pin.cell.joint_roles import roles_of
 from dualarm_pin.cell.joint_settings import Blame, Settings, find_joints, settings_of
-from dualarm_pin.cell.merged_model import merged_model
+from dualarm_pin.cell.merged_model import joint_map_of, merged_model
 from dualarm_pin.cell.merged_urdf import TOOLS, WORLD
 from dualarm_pin.cell.parts import ARMS, Arm, Joint, SourceFile, read_only
 from dualarm_pin.cell.placed_robot import PlacedRobot
@@ -43,10 +43,7 @@ class CellParts:
 
 
 def assemble(loader: Loader) -> CellParts:
-    """Return the parts of a cell.
-
-    Args:
-        loader: The specification and where it came from.
+    """Return the parts of the cell that a loader's specification asks for.
 
     Raises:
         InputError: The specification or a file it names is wrong.
@@ -58,28 +55,35 @@ def assemble(loader: Loader) -> CellParts:
     robots: dict[str, PlacedRobot] = {}
     for key, one in chains.items():
         base = None if key == "both" else getattr(spec.arms, key).base
-        roles = roles_of(one, settings[key], free, blame)
+        roles = roles_of(settings[key], free)
         loader.warnings += roles.warnings
         robots[key] = PlacedRobot(one, roles, placement_pose(base))
+    placed = tuple(robots.values())
     arms = (_arm(spec, robots, "arm1"), _arm(spec, robots, "arm2"))
-    tools = {tool: _carrier(robots, arm) for tool, arm in zip(TOOLS, arms, strict=True)}
-    columns = _columns(robots)
+    columns = _columns(placed)
     if not columns:
         raise blame("nothing moves: neither arm has a joint that is not locked", ("arms",))
-    merged = merged_model(tuple(robots.values()), tools, columns, name)
+    tools = {tool: _carrier(robots, arm) for tool, arm in zip(TOOLS, arms, strict=True)}
+    model = merged_model(placed, tools, name)
+    e1, e2 = (model.getFrameId(tool, pin.FrameType.BODY) for tool in TOOLS)
+    joint_map, joint_offset = joint_map_of(model, placed, columns)
     unknown = [joint.name for joint in columns if joint.velocity is None]
     if unknown:
         which = "every joint" if len(unknown) == len(columns) else ", ".join(unknown)
         loader.warnings.append(f"no speed limit known (0 or missing in the URDF): {which}")
     return CellParts(
-        name=name,
-        **merged._asdict(),
-        joints=tuple(columns),
-        arms=arms,
+        name,
+        model,
+        e1,
+        e2,
+        columns,
+        joint_map,
+        joint_offset,
+        arms,
         warnings=tuple(dict.fromkeys(loader.warnings)),
         sources=tuple(SourceFile(path, digest) for path, digest in loader.sources.items()),
         tool_axes=(_unit(spec.arms.arm1.tool_axis), _unit(spec.arms.arm2.tool_axis)),
-        _robots=tuple(robots.values()),
+        _robots=placed,
         _disabled={
             number: srdfs[key].disabled for number, key in enumerate(robots) if key in srdfs
         },
@@ -96,9 +100,8 @@ def _free(
             common = chains[key].moving.get("common", ())
             if joint not in common:
                 shared = ", ".join(repr(j.name) for j in common) or "there are none"
-                raise blame(
-                    f"joint {name!r} is not common to both arms; common joints: {shared}", ("free",)
-                )
+                message = f"joint {name!r} is not common to both arms; common joints: {shared}"
+                raise blame(message, ("free",))
             if joint.name in settings[key].lock:
                 raise blame(f"joint {name!r} is locked too: choose one", ("free",))
             names.append(joint.name)
@@ -124,9 +127,9 @@ def _carrier(robots: Mapping[str, PlacedRobot], arm: Arm) -> tuple[str, pin.SE3]
     return placed.frames[arm.tip], arm.tool
 
 
-def _columns(robots: Mapping[str, PlacedRobot]) -> list[Joint]:
-    every = [joint for placed in robots.values() for joint in placed.roles.columns.values()]
-    return [joint for owner in (*ARMS, "common") for joint in every if joint.arm == owner]
+def _columns(robots: Sequence[PlacedRobot]) -> tuple[Joint, ...]:
+    every = [joint for placed in robots for joint in placed.roles.columns.values()]
+    return tuple(joint for owner in (*ARMS, "common") for joint in every if joint.arm == owner)
 
 
 def _unit(direction: Sequence[float]) -> Array:

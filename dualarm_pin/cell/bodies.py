@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 
@@ -26,6 +26,8 @@ class CellBodies:
         disabled: Number of a robot to the pairs of plain link names its SRDF disables.
         package_dirs: Further folders to search for meshes.
         postures: q of the model (m, nv), to find pairs that always collide.
+        loaded: For bases elsewhere: the bodies as loaded, once however often they move.
+        moves: How the bases moved since.
     """
 
     model: pin.Model
@@ -33,20 +35,24 @@ class CellBodies:
     disabled: Mapping[int, frozenset[frozenset[str]]]
     package_dirs: tuple[Path, ...]
     postures: Array
+    loaded: CellBodies | None = None
+    moves: Moves = field(default_factory=dict)
 
-    @property
+    @cached_property
     def hulls(self) -> Bodies:
         """Convex hulls and primitives, with the pairs to check."""
-        return self._checked[0]
+        return self._moved(self.loaded.hulls) if self.loaded else self._checked[0]
 
     @property
     def dropped(self) -> tuple[str, ...]:
         """Pairs that are not checked, and why."""
-        return self._checked[1]
+        return self.loaded.dropped if self.loaded else self._checked[1]
 
     @cached_property
     def meshes(self) -> Bodies:
         """Collision bodies with their meshes as they are, and the pairs of the hulls."""
+        if self.loaded:
+            return self._moved(self.loaded.meshes)
         bodies = build_bodies(self.model, self.robots, "collision", self.package_dirs)
         for pair in self.hulls.model.collisionPairs:
             bodies.model.addCollisionPair(pair)
@@ -55,6 +61,8 @@ class CellBodies:
     @cached_property
     def visual(self) -> Bodies:
         """Bodies for the eye."""
+        if self.loaded:
+            return self._moved(self.loaded.visual)
         return build_bodies(self.model, self.robots, "visual", self.package_dirs)
 
     @cached_property
@@ -62,33 +70,5 @@ class CellBodies:
         bodies = build_bodies(self.model, self.robots, "collision", self.package_dirs, True)
         return bodies, add_pairs(self.model, bodies, self.robots, self.disabled, self.postures)
 
-
-@dataclass(frozen=True, eq=False)
-class MovedBodies:
-    """The same bodies with bases elsewhere: loaded once however often they move."""
-
-    loaded: CellBodies
-    moves: Moves
-
-    @cached_property
-    def hulls(self) -> Bodies:
-        """See `CellBodies`."""
-        return self._moved(self.loaded.hulls)
-
-    @property
-    def dropped(self) -> tuple[str, ...]:
-        """See `CellBodies`."""
-        return self.loaded.dropped
-
-    @cached_property
-    def meshes(self) -> Bodies:
-        """See `CellBodies`."""
-        return self._moved(self.loaded.meshes)
-
-    @cached_property
-    def visual(self) -> Bodies:
-        """See `CellBodies`."""
-        return self._moved(self.loaded.visual)
-
     def _moved(self, bodies: Bodies) -> Bodies:
-        return moved_bodies(bodies, self.loaded.model, self.loaded.robots, self.moves)
+        return moved_bodies(bodies, self.model, self.robots, self.moves)

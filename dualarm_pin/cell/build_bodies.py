@@ -18,6 +18,13 @@ from dualarm_pin.meshes.load import load_mesh
 from dualarm_pin.robot.packages import find_file
 from dualarm_pin.robot.robot import Shape
 
+_PRIMITIVES = {
+    "box": coal.Box,
+    "sphere": coal.Sphere,
+    "cylinder": coal.Cylinder,
+    "capsule": coal.Capsule,
+}
+
 
 @dataclass(frozen=True)
 class Bodies:
@@ -46,49 +53,37 @@ def build_bodies(
     links: list[str] = []
     missing: dict[str, None] = {}
     for placed in robots:
-        frames = placed.frames
-        robot = placed.chains.robot
+        robot, folder = placed.chains.robot, placed.chains.robot.file.resolve().parent
         for link in robot.links.values():
-            missing |= dict.fromkeys(
-                f"{placed.link(link.name)}: {note}" for note in link.unknown if f"<{kind}>" in note
-            )
-            frame_id = model.getFrameId(frames[link.name], pin.FrameType.BODY)
+            name = placed.link(link.name)
+            missing |= {f"{name}: {note}": None for note in link.unknown if f"<{kind}>" in note}
+            frame_id = model.getFrameId(placed.frames[link.name], pin.FrameType.BODY)
             frame = model.frames[frame_id]
             shapes = link.visuals if kind == "visual" else link.collisions
             for number, shape in enumerate(shapes):
-                folder = robot.file.resolve().parent
                 try:
                     body, path = _body(shape, folder, package_dirs, hulls)
                 except DualArmError as error:
-                    missing[f"{placed.link(link.name)}: {error}"] = None
+                    missing[f"{name}: {error}"] = None
                     continue
+                place = frame.placement * pose_of(shape.xyz, shape.rpy)
                 thing = pin.GeometryObject(
-                    f"{placed.link(link.name)}_{number}",
-                    frame.parentJoint,
-                    frame_id,
-                    frame.placement * pose_of(shape.xyz, shape.rpy),
-                    body,
+                    f"{name}_{number}", frame.parentJoint, frame_id, place, body
                 )
                 if path is not None:
                     thing.meshPath, thing.meshScale = str(path), np.array(shape.size)
                 if shape.colour is not None:
                     thing.meshColor, thing.overrideMaterial = np.array(shape.colour), True
                 geometry.addGeometryObject(thing)
-                links.append(placed.link(link.name))
+                links.append(name)
     return Bodies(geometry, tuple(links), tuple(missing))
 
 
 def _body(
     shape: Shape, folder: Path, package_dirs: Sequence[Path], hull: bool
 ) -> tuple[coal.CollisionGeometry, Path | None]:
-    size = shape.size
-    if shape.kind == "mesh":
-        path = find_file(shape.file, folder, package_dirs)
-        return load_mesh(path, (size[0], size[1], size[2]), hull), path
-    if shape.kind == "box":
-        return coal.Box(*size), None
-    if shape.kind == "sphere":
-        return coal.Sphere(*size), None
-    if shape.kind == "cylinder":
-        return coal.Cylinder(*size), None
-    return coal.Capsule(*size), None
+    if shape.kind != "mesh":
+        return _PRIMITIVES[shape.kind](*shape.size), None
+    path = find_file(shape.file, folder, package_dirs)
+    x, y, z = shape.size
+    return load_mesh(path, (x, y, z), hull), path

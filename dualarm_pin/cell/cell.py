@@ -15,12 +15,12 @@ import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from dualarm_pin.cell.assemble import CellParts, assemble
-from dualarm_pin.cell.bodies import CellBodies, MovedBodies
+from dualarm_pin.cell.bodies import CellBodies
 from dualarm_pin.cell.clearance import smallest
-from dualarm_pin.cell.moved import base_moves, moved_model, moved_robot
+from dualarm_pin.cell.moved import base_moves, moved_model
 from dualarm_pin.cell.parts import ARMS, Clearance, read_only
 from dualarm_pin.cell.poses import checked_pose
-from dualarm_pin.cell.python_arguments import spec_from_python
+from dualarm_pin.cell.python_arguments import checked_spec, file_name, placement
 from dualarm_pin.cell.read_robots import Loader
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.source import Key, Source, read_yaml
@@ -111,9 +111,26 @@ class Cell(CellParts):
             MissingFileError: A file does not exist.
             InputError: Something is wrong; the message says where and what is allowed.
         """
-        spec = spec_from_python(
-            urdf1, urdf2, base1, base2, tips, tools, limits, lock, free, srdf, package_dirs
-        )
+        first, second = srdf if isinstance(srdf, tuple) else (srdf, None)
+        if urdf2 is not None and not isinstance(srdf, tuple) and str(urdf1) == str(urdf2):
+            second = first
+        arms: dict[str, dict[str, Any]] = {}
+        for arm, tip, tool, base in zip(ARMS, tips, tools, (base1, base2), strict=True):
+            arms[arm] = {"tip": tip, "tool": placement(tool)}
+            if base is not None:
+                arms[arm]["base"] = placement(base)
+        robot1 = {"urdf": str(urdf1), "srdf": file_name(first)}
+        if urdf2 is not None:
+            arms["arm1"] |= robot1
+            arms["arm2"] |= {"urdf": str(urdf2), "srdf": file_name(second)}
+        whole = {
+            "arms": arms,
+            "limits": {key: tuple(pair) for key, pair in (limits or {}).items()},
+            "lock": dict(lock or {}),
+            "free": list(free),
+            "package_dirs": [str(entry) for entry in package_dirs],
+        }
+        spec = checked_spec(whole if urdf2 is not None else whole | robot1)
         return cls(**vars(assemble(Loader.of_python(spec, name or Path(urdf1).stem))))
 
     def moved(self, *, base1: pin.SE3 | None = None, base2: pin.SE3 | None = None) -> Cell:
@@ -132,11 +149,8 @@ class Cell(CellParts):
             if base is None:
                 continue
             if any(len(robot.chains.tips) > 1 for robot in self._robots):
-                raise InputError(
-                    f"one URDF holds both arms of {self.name}: neither has a base to move; give "
-                    "each arm a URDF of its own",
-                    field=field,
-                )
+                message = f"one URDF holds both arms of {self.name}: neither has a base to move"
+                raise InputError(f"{message}; give each arm a URDF of its own", field=field)
             bases[arm] = checked_pose(base, field)
         loaded = self._loaded or self  # moves start from what was loaded: nothing adds up
         first, second = (replace(arm, base=bases[arm.name]) for arm in loaded.arms)
@@ -145,7 +159,9 @@ class Cell(CellParts):
             loaded,
             model=moved_model(loaded.model, loaded._robots, moves),
             arms=(first, second),
-            _robots=tuple(moved_robot(robot, bases) for robot in loaded._robots),
+            _robots=tuple(
+                replace(robot, base=bases[min(robot.chains.tips)]) for robot in loaded._robots
+            ),
             _loaded=loaded,
         )
 
@@ -256,11 +272,10 @@ class Cell(CellParts):
         return _scratch_of(self)["data"]
 
     @cached_property
-    def _bodies(self) -> CellBodies | MovedBodies:
+    def _bodies(self) -> CellBodies:
         if self._loaded is not None:
-            bodies = self._loaded._bodies
-            assert isinstance(bodies, CellBodies)  # a loaded cell never moved itself
-            return MovedBodies(bodies, base_moves(self._loaded.arms, self.arms))
+            bodies, moves = self._loaded._bodies, base_moves(self._loaded.arms, self.arms)
+            return replace(bodies, loaded=bodies, moves=moves)
         # The same postures on every machine: which pairs are dropped must not depend on luck.
         draw = np.random.default_rng(0).uniform(self.lower, self.upper, (100, self.n))
         postures = draw @ self.joint_map.T + self.joint_offset

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from dualarm_pin.cell.parts import Owner
+from dualarm_pin.cell.parts import ARMS, Owner
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.robot.robot import Robot, UrdfJoint
 
@@ -65,23 +65,14 @@ def twin_chains(robot: Robot, tips: tuple[str, str]) -> Chains:
     moving: dict[Owner, tuple[UrdfJoint, ...]] = {
         owner: tuple(joint for joint in chain if joint.moves) for owner, chain in parts.items()
     }
-    _refuse_one_arm(robot, tips, moving)
+    _refuse_one_arm(tips, moving)
     heads = {chain[0].child: owner for owner, chain in parts.items() if chain and owner != "common"}
-    owner: dict[str, Owner] = {}
-    for link in robot.links:
-        whose: Owner = "common"
-        climbing = link
-        while True:
-            if climbing in heads:
-                whose = heads[climbing]
-                break
-            if climbing not in robot.above:
-                break
-            climbing = robot.above[climbing].parent
-        owner[link] = whose
+    owner: dict[str, Owner] = {
+        link: next((heads[j.child] for j in robot.chain(link) if j.child in heads), "common")
+        for link in robot.links
+    }
     joint_owner = {name: owner[joint.child] for name, joint in robot.joints.items()}
-    tip_of = dict(zip(("arm1", "arm2"), tips, strict=True))
-    return Chains(robot, owner, joint_owner, moving, tip_of)
+    return Chains(robot, owner, joint_owner, moving, dict(zip(ARMS, tips, strict=True)))
 
 
 def find_tip(robot: Robot, tip: str) -> str:
@@ -105,24 +96,18 @@ def find_tip(robot: Robot, tip: str) -> str:
 def _refuse_free_bases(robot: Robot, chain: Iterable[UrdfJoint]) -> None:
     for joint in chain:
         if joint.kind in ("floating", "planar"):
-            raise InputError(
+            raise joint.error(
                 f"is {joint.kind}: the arms of a cell stand on a fixed base; make this joint "
                 "fixed, or replace it by prismatic and revolute joints with bounds",
-                file=robot.file,
-                line=joint.line,
-                field=f"joint {joint.name!r}",
+                robot.file,
             )
 
 
-def _refuse_one_arm(
-    robot: Robot, tips: tuple[str, str], moving: Mapping[Owner, tuple[UrdfJoint, ...]]
-) -> None:
+def _refuse_one_arm(tips: tuple[str, str], moving: Mapping[Owner, tuple[UrdfJoint, ...]]) -> None:
     """Refuse tips of which one carries the other, unless one of them stands still anyway."""
-    cases: tuple[tuple[Owner, Owner, str, str], ...] = (
-        ("arm1", "arm2", tips[0], tips[1]),
-        ("arm2", "arm1", tips[1], tips[0]),
-    )
-    for own, others, tip, other in cases:
+    one: tuple[Owner, Owner, str, str] = ("arm1", "arm2", *tips)
+    two: tuple[Owner, Owner, str, str] = ("arm2", "arm1", *tips[::-1])
+    for own, others, tip, other in (one, two):
         if moving[own] or (moving[others] and not moving["common"]):
             continue
         raise InputError(

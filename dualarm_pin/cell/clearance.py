@@ -40,8 +40,7 @@ def smallest(
     scene, any_active = scratch[name]
     if not any_active:
         return None
-    data = scratch["data"]
-    nearest = pin.computeDistances(model, data, hulls.model, scene, q)
+    nearest = pin.computeDistances(model, scratch["data"], hulls.model, scene, q)
     if meshes is not None:
         return _measured(model, hulls, meshes, scratch, scene)
     return _named(hulls, nearest, scene.distanceResults[nearest].min_distance)

@@ -81,11 +81,10 @@ def _reach(cell: Cell, arm: Arm, tool: int, samples: NDArray[np.float64]) -> flo
 def _collision(cell: Cell, postures: NDArray[np.float64]) -> CollisionReport:
     found = [cell.clearance(q) for q in postures]
     distances = [clearance.distance for clearance in found if clearance is not None]
-    pairs = len(cell.collision.collisionPairs)
     return CollisionReport(
         known=bool(distances),
         bodies=len(cell.collision.geometryObjects),
-        pairs=pairs,
+        pairs=len(cell.collision.collisionPairs),
         dropped=cell.dropped_pairs,
         missing=cell.missing_meshes,
         free_share=float(np.mean(np.array(distances) > 0)) if distances else None,

@@ -4,11 +4,9 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from pathlib import Path
 
-from dualarm_pin.cell.joint_settings import Blame, Settings
+from dualarm_pin.cell.joint_settings import Settings
 from dualarm_pin.cell.parts import Joint, Owner
-from dualarm_pin.errors import InputError
 from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -16,17 +14,8 @@ TURN = 2.0 * math.pi
 _FAR = 1000.0  # a bound beyond this [rad or m] means "none"
 
 
-def column(
-    joint: UrdfJoint, owner: Owner, settings: Settings, blame: Blame, file: Path
-) -> tuple[Joint, list[str]]:
+def column(joint: UrdfJoint, owner: Owner, settings: Settings) -> tuple[Joint, list[str]]:
     """Return a joint as a column of q, with warnings.
-
-    Args:
-        joint: The joint.
-        owner: Whose it is.
-        settings: What the cell file says about the joints of its URDF.
-        blame: Makes an error from a message and the keys at fault.
-        file: Its URDF.
 
     Raises:
         InputError: It has no usable bounds.
@@ -35,27 +24,23 @@ def column(
     own, endless = _own_bounds(joint)
     if endless and joint.kind != "continuous":
         warnings.append(f"{name}: its bounds are absurdly wide; it is taken as continuous")
-    given = settings.bounds.get(joint.name)
+    given = settings.limits.get(joint.name)
     if given is not None:
         if max(-given[0], given[1]) > _FAR:
-            raise blame("these bounds are absurdly wide", settings.place["limits", joint.name])
+            raise settings.error("these bounds are absurdly wide", "limits", joint.name)
         if own is None:
             warnings.append(f"{name}: no usable bounds in the URDF; those of the cell are used")
         elif not endless and max(own[0] - given[0], given[1] - own[1]) > TOLERANCE.bound:
-            warnings.append(
-                f"{name}: bounds {span(given, joint)} are wider than those of the URDF, "
-                f"{span(own, joint)}"
-            )
+            wider = f"{span(given, joint)} are wider than those of the URDF, {span(own, joint)}"
+            warnings.append(f"{name}: bounds {wider}")
     bounds = given or own
     if bounds is None or not bounds[0] < bounds[1]:
         unit = "limits" if joint.kind == "prismatic" else "limits_deg"
         what = "usable bounds" if bounds is None else f"range: lower = upper = {bounds[0]:g}"
-        raise InputError(
+        raise joint.error(
             f"has no {what}; correct <limit lower= upper=>, or give `{unit}` or `lock` for it in "
             "the cell file",
-            file=file,
-            line=joint.line,
-            field=f"joint {joint.name!r}",
+            settings.chains.robot.file,
         )
     kept = Joint(
         name,
@@ -83,25 +68,20 @@ def _own_bounds(joint: UrdfJoint) -> tuple[tuple[float, float] | None, bool]:
 
 
 def narrowed(
-    leader: Joint,
-    joint: UrdfJoint,
-    factor: tuple[float, float],
-    settings: Settings,
-    file: Path,
+    leader: Joint, joint: UrdfJoint, multiplier: float, offset: float, settings: Settings
 ) -> tuple[Joint, list[str]]:
     """Return a column whose follower keeps its own limits, with warnings.
 
     Args:
         leader: The column.
-        joint: The follower: value = multiplier * value of the leader + offset.
-        factor: Multiplier and offset.
+        joint: The follower.
+        multiplier: Its value is multiplier * value of the leader + offset.
+        offset: [rad or m].
         settings: What the cell file says about the joints of their URDF.
-        file: Their URDF.
 
     Raises:
         InputError: The bounds of the follower leave no range.
     """
-    multiplier, offset = factor
     if not multiplier:
         return leader, []
     warnings = []
@@ -109,13 +89,9 @@ def narrowed(
         ends = sorted((bound - offset) / multiplier for bound in (joint.lower, joint.upper))
         lower, upper = max(leader.lower, ends[0]), min(leader.upper, ends[1])
         if not lower < upper:
-            raise InputError(
-                f"its bounds leave no range to joint {leader.name.partition('/')[2]!r}, which it "
-                "mimics",
-                file=file,
-                line=joint.line,
-                field=f"joint {joint.name!r}",
-            )
+            plain = leader.name.partition("/")[2]
+            message = f"its bounds leave no range to joint {plain!r}, which it mimics"
+            raise joint.error(message, settings.chains.robot.file)
         if (lower, upper) != (leader.lower, leader.upper):
             leader = replace(leader, continuous=False, lower=lower, upper=upper)
             warnings.append(

@@ -7,11 +7,9 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-from dualarm_pin.cell.chains import Chains
 from dualarm_pin.cell.joint_limits import column, narrowed, span
-from dualarm_pin.cell.joint_settings import Blame, Settings
+from dualarm_pin.cell.joint_settings import Settings
 from dualarm_pin.cell.parts import Joint, Owner
-from dualarm_pin.errors import InputError
 from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -41,75 +39,63 @@ class Roles:
     warnings: list[str] = field(default_factory=list)
 
 
-def roles_of(chains: Chains, settings: Settings, free: Iterable[str], blame: Blame) -> Roles:
-    """Sort the joints of one URDF.
-
-    Args:
-        chains: The URDF and its chains.
-        settings: What the cell file says about its joints.
-        free: Common joints that may move.
-        blame: Makes an error from a message and the keys at fault.
+def roles_of(settings: Settings, free: Iterable[str]) -> Roles:
+    """Sort the joints of one URDF; `free` are the common joints that may move.
 
     Raises:
         InputError: A joint of a chain has no usable bounds, or a lock value is outside them, or
             the cell file limits a joint that is locked.
     """
-    out = Roles()
-    robot = chains.robot
-    free = set(free)
-    live: dict[str, Owner] = {}
-    for owner in ("arm1", "arm2", "common"):
-        for joint in chains.moving.get(owner, ()):
-            if joint.name not in settings.lock and (owner != "common" or joint.name in free):
-                live[joint.name] = owner
-    for name in robot.joints:
-        _leader(chains, settings, name, live, out)
+    out, chains, free = Roles(), settings.chains, set(free)
+    joints = chains.robot.joints
+    live: dict[str, Owner] = {
+        joint.name: owner
+        for owner in ("arm1", "arm2", "common")
+        for joint in chains.moving.get(owner, ())
+        if joint.name not in settings.lock and (owner != "common" or joint.name in free)
+    }
+    for name in joints:
+        _leader(settings, name, live, out)
     for name, owner in live.items():
-        if robot.joints[name].mimic is None:
-            out.columns[name], odd = column(robot.joints[name], owner, settings, blame, robot.file)
+        if joints[name].mimic is None:
+            out.columns[name], odd = column(joints[name], owner, settings)
             out.warnings += odd
     for name, (leader, multiplier, offset) in out.followers.items():
-        out.columns[leader], odd = narrowed(
-            out.columns[leader], robot.joints[name], (multiplier, offset), settings, robot.file
-        )
+        follower = joints[name], multiplier, offset
+        out.columns[leader], odd = narrowed(out.columns[leader], *follower, settings)
         out.warnings += odd
-    for joint in robot.joints.values():
+    for joint in joints.values():
         if joint.moves and joint.name not in out.columns and joint.name not in out.followers:
-            out.values[joint.name] = _locked(chains, joint, settings, blame)
-    _refuse_idle_settings(settings, out, blame)
+            out.values[joint.name] = _locked(joint, settings)
+    _refuse_idle_settings(settings, out)
     return out
 
 
-def _refuse_idle_settings(settings: Settings, out: Roles, blame: Blame) -> None:
+def _refuse_idle_settings(settings: Settings, out: Roles) -> None:
     chains = f"the joints of the two chains ({', '.join(out.columns) or 'none'})"
     # A follower may have limits of motion: they bind the joint that leads it.
-    for word, what, names, allowed in (
-        ("limits", "bounds", settings.bounds, out.columns),
-        ("velocity", "speeds", settings.velocity, out.columns | out.followers),
-        ("acceleration", "accelerations", settings.acceleration, out.columns | out.followers),
+    for word, what, allowed in (
+        ("limits", "bounds", out.columns),
+        ("velocity", "speeds", out.columns | out.followers),
+        ("acceleration", "accelerations", out.columns | out.followers),
     ):
-        for name in names:
+        for name in getattr(settings, word):
             if name not in allowed:
                 reason = "follows another joint" if name in out.followers else "is locked"
                 message = f"joint {name!r} {reason}: {what} are for {chains}"
-                raise blame(message, settings.place[word, name])
+                raise settings.error(message, word, name)
 
 
-def _leader(
-    chains: Chains, settings: Settings, name: str, live: Mapping[str, Owner], out: Roles
-) -> None:
+def _leader(settings: Settings, name: str, live: Mapping[str, Owner], out: Roles) -> None:
     """Record a mimic joint as follower if the joint at the end of its mimics is a column."""
-    joints = chains.robot.joints
+    robot = settings.chains.robot
+    joints = robot.joints
     multiplier, offset, leader = 1.0, 0.0, name
     while (mimic := joints[leader].mimic) is not None and leader not in settings.lock:
         if mimic.joint not in joints:
             if name in live:
-                raise InputError(
-                    f"mimics joint {mimic.joint!r}, which does not exist; lock it in the cell file",
-                    file=chains.robot.file,
-                    line=joints[leader].line,
-                    field=f"joint {leader!r}",
-                )
+                lack = f"mimics joint {mimic.joint!r}, which does not exist"
+                raise joints[leader].error(f"{lack}; lock it in the cell file", robot.file)
             return
         offset += multiplier * mimic.offset
         multiplier *= mimic.multiplier
@@ -122,21 +108,18 @@ def _leader(
         )
 
 
-def _locked(chains: Chains, joint: UrdfJoint, settings: Settings, blame: Blame) -> float:
+def _locked(joint: UrdfJoint, settings: Settings) -> float:
     """Return where a locked joint stands: as asked, as mimicked, or nearest to 0 in its bounds."""
     lower = -math.inf if joint.lower is None else joint.lower
     upper = math.inf if joint.upper is None else joint.upper
     if joint.name in settings.lock:
         value = settings.lock[joint.name]
         if not lower - TOLERANCE.bound <= value <= upper + TOLERANCE.bound:
-            raise blame(
-                f"joint {joint.name!r} cannot be locked at {value:g}: its bounds are "
-                f"{span((lower, upper), joint)}",
-                settings.place["lock", joint.name],
-            )
+            bounds = f"its bounds are {span((lower, upper), joint)}"
+            message = f"joint {joint.name!r} cannot be locked at {value:g}: {bounds}"
+            raise settings.error(message, "lock", joint.name)
         return value
-    joints = chains.robot.joints
-    if joint.mimic is not None and joint.mimic.joint in joints and joints[joint.mimic.joint].moves:
-        leader = _locked(chains, joints[joint.mimic.joint], settings, blame)
-        return joint.mimic.multiplier * leader + joint.mimic.offset
+    mimic, joints = joint.mimic, settings.chains.robot.joints
+    if mimic is not None and mimic.joint in joints and joints[mimic.joint].moves:
+        return mimic.multiplier * _locked(joints[mimic.joint], settings) + mimic.offset
     return min(max(0.0, lower), upper)

@@ -3,60 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple
 
 import numpy as np
 import pinocchio as pin
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.cell.merged_urdf import TOOLS, merged_urdf
+from dualarm_pin.cell.merged_urdf import merged_urdf
 from dualarm_pin.cell.parts import Joint, read_only
 from dualarm_pin.cell.placed_robot import PlacedRobot
 from dualarm_pin.cpp_messages import captured_stderr
 from dualarm_pin.errors import InputError
 
 
-class MergedModel(NamedTuple):
-    """What `Cell` says of its model; see there."""
-
-    model: pin.Model
-    e1: int
-    e2: int
-    joint_map: Array
-    joint_offset: Array
-
-
 def merged_model(
-    robots: Sequence[PlacedRobot],
-    tools: Mapping[str, tuple[str, pin.SE3]],
-    columns: Sequence[Joint],
-    name: str,
-) -> MergedModel:
-    """Build the model.
-
-    Args:
-        robots: The placed URDFs.
-        tools: Tool frame to (frame that carries it, pose in that frame).
-        columns: The columns of q.
-        name: What to name in a message.
+    robots: Sequence[PlacedRobot], tools: Mapping[str, tuple[str, pin.SE3]], name: str
+) -> pin.Model:
+    """Build the model from what `merged_urdf` takes; `name` is what messages call it.
 
     Raises:
         InputError: Pinocchio refuses it, with the reason it wrote to stderr.
     """
     with captured_stderr() as written:
         try:
-            model = pin.buildModelFromXML(merged_urdf(robots, tools))
+            return pin.buildModelFromXML(merged_urdf(robots, tools))
         except (ValueError, RuntimeError) as error:
             reason = written() or str(error)
             raise InputError(f"Pinocchio refuses this robot: {reason}", file=name) from error
-    e1, e2 = (model.getFrameId(tool, pin.FrameType.BODY) for tool in TOOLS)
-    return MergedModel(model, e1, e2, *_joint_map(model, robots, columns))
 
 
-def _joint_map(
+def joint_map_of(
     model: pin.Model, robots: Sequence[PlacedRobot], columns: Sequence[Joint]
 ) -> tuple[Array, Array]:
-    """Return how Pinocchio's q, in its own order and with followers, comes from q."""
+    """Return how Pinocchio's q, in its own order and with followers, comes from q (n).
+
+    Returns:
+        `joint_map` (nv, n) and `joint_offset` (nv,) of `Cell`.
+    """
     column = {joint.name: k for k, joint in enumerate(columns)}
     joint_map, offset = np.zeros((model.nv, len(columns))), np.zeros(model.nv)
     for placed in robots:

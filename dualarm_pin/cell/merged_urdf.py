@@ -18,7 +18,7 @@ import pinocchio as pin
 from dualarm_pin.cell.joint_limits import TURN
 from dualarm_pin.cell.placed_robot import PlacedRobot
 from dualarm_pin.cell.poses import pose_of
-from dualarm_pin.robot.robot import Inertial, UrdfJoint
+from dualarm_pin.robot.robot import MOMENTS, Inertial, UrdfJoint
 
 # No slash: never the name of a robot's link or joint.
 WORLD, TOOLS = "cell", ("e1", "e2")
@@ -26,12 +26,7 @@ BASE, TOOL = "base", "tool:"  # joints: that of a robot by its number from 1, th
 
 
 def merged_urdf(robots: Sequence[PlacedRobot], tools: Mapping[str, tuple[str, pin.SE3]]) -> str:
-    """Return the URDF text of the cell.
-
-    Args:
-        robots: The placed URDFs.
-        tools: Tool frame to (frame that carries it, pose in that frame).
-    """
+    """Return the URDF text; `tools`: tool frame to (frame that carries it, pose in that frame)."""
     lines = [f'<robot name="{WORLD}">', f'<link name="{WORLD}"/>']
     for number, placed in enumerate(robots, start=1):
         frames = placed.frames
@@ -50,8 +45,7 @@ def merged_urdf(robots: Sequence[PlacedRobot], tools: Mapping[str, tuple[str, pi
 def _link(name: str, inertial: Inertial | None) -> list[str]:
     if inertial is None:
         return [f"<link name={quoteattr(name)}/>"]
-    keys = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
-    inertia = " ".join(f'{k}="{v!r}"' for k, v in zip(keys, inertial.inertia, strict=True))
+    inertia = " ".join(f'{k}="{v!r}"' for k, v in zip(MOMENTS, inertial.inertia, strict=True))
     return [
         f"<link name={quoteattr(name)}><inertial>",
         _origin(inertial.xyz, inertial.rpy),

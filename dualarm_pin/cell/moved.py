@@ -24,12 +24,6 @@ def base_moves(before: tuple[Arm, Arm], after: tuple[Arm, Arm]) -> Moves:
     }
 
 
-def moved_robot(robot: PlacedRobot, bases: Mapping[str, pin.SE3]) -> PlacedRobot:
-    """Return a robot on the base of its arm; one that holds both arms stays where it is."""
-    arm, *others = robot.chains.tips
-    return robot if others else replace(robot, base=bases[arm])
-
-
 def moved_model(model: pin.Model, robots: Sequence[PlacedRobot], moves: Moves) -> pin.Model:
     """Return a copy of a model in which everything that stands on the bases has moved."""
     moved, move = pin.Model(model), _moves_of_frames(model, robots, moves)
@@ -50,19 +44,15 @@ def moved_model(model: pin.Model, robots: Sequence[PlacedRobot], moves: Moves) -
 def moved_bodies(
     bodies: Bodies, model: pin.Model, robots: Sequence[PlacedRobot], moves: Moves
 ) -> Bodies:
-    """Return a copy of bodies in which those that stand on the bases have moved; shapes are shared.
+    """Return a copy of bodies, loaded for `model`, of which those on the bases have moved.
 
-    Args:
-        bodies: The bodies as loaded.
-        model: The model that they were loaded for.
-        robots: Its robots.
-        moves: How the bases moved.
+    Shapes are shared.
     """
     moved, move = pin.GeometryModel(bodies.model), _moves_of_frames(model, robots, moves)
     for item in moved.geometryObjects:
         if item.parentJoint == 0 and item.parentFrame in move:
             item.placement = move[item.parentFrame] * item.placement
-    return Bodies(moved, bodies.links, bodies.missing)
+    return replace(bodies, model=moved)
 
 
 def _moves_of_frames(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Mapping, Sequence
 
 import numpy as np
@@ -38,17 +39,17 @@ def add_pairs(
     """
     geometry = bodies.model
     body = _rigid_bodies(robots)
-    off = _disabled(robots, disabled)
-    for i, first in enumerate(bodies.links):
-        for j in range(i + 1, len(bodies.links)):
-            second = bodies.links[j]
-            same_joint = (
-                geometry.geometryObjects[i].parentJoint == geometry.geometryObjects[j].parentJoint
-            )
-            if not same_joint and frozenset((first, second)) not in off:
-                neighbours = frozenset((body[first][1], body[second][1]))
-                if body[first][0] != body[second][0] or neighbours not in body[first][2]:
-                    geometry.addCollisionPair(pin.CollisionPair(i, j))
+    off = {
+        frozenset(robots[number].link(link) for link in pair)
+        for number, pairs in disabled.items()
+        for pair in pairs
+    }
+    for (i, first), (j, second) in itertools.combinations(enumerate(bodies.links), 2):
+        a, b = geometry.geometryObjects[i], geometry.geometryObjects[j]
+        neighbours = frozenset((body[first][1], body[second][1]))
+        joined = body[first][0] == body[second][0] and neighbours in body[first][2]
+        if a.parentJoint != b.parentJoint and frozenset((first, second)) not in off and not joined:
+            geometry.addCollisionPair(pin.CollisionPair(i, j))
     return _drop_constant(model, bodies, body, set(disabled), configurations)
 
 
@@ -70,17 +71,6 @@ def _rigid_bodies(robots: Sequence[PlacedRobot]) -> dict[str, Body]:
     return found
 
 
-def _disabled(
-    robots: Sequence[PlacedRobot],
-    disabled: Mapping[int, frozenset[frozenset[str]]],
-) -> set[frozenset[str]]:
-    return {
-        frozenset(placed.link(link) for link in pair)
-        for number, placed in enumerate(robots)
-        for pair in disabled.get(number, frozenset())
-    }
-
-
 def _drop_constant(
     model: pin.Model,
     bodies: Bodies,
@@ -91,12 +81,8 @@ def _drop_constant(
     geometry = bodies.model
     # Plain numbers: the pairs themselves are views that shift when one is removed.
     pairs = [(pair.first, pair.second) for pair in geometry.collisionPairs]
-    judged = [
-        k
-        for k, (i, j) in enumerate(pairs)
-        if body[bodies.links[i]][0] == body[bodies.links[j]][0]
-        and body[bodies.links[i]][0] not in described
-    ]
+    robots = [tuple(body[bodies.links[k]][0] for k in pair) for pair in pairs]
+    judged = [k for k, (i, j) in enumerate(robots) if i == j and i not in described]
     if not judged or not len(configurations):
         return ()
     data, hits = model.createData(), np.zeros(len(pairs))
@@ -104,10 +90,11 @@ def _drop_constant(
     for q in configurations:
         pin.computeCollisions(model, data, geometry, scene, q, False)
         hits += [result.isCollision() for result in scene.collisionResults]
-    constant = [k for k in judged if hits[k] >= _ALWAYS * len(configurations)]
     names: dict[str, None] = {}
-    for k in constant:
+    for k in judged:
         i, j = pairs[k]
+        if hits[k] < _ALWAYS * len(configurations):
+            continue
         geometry.removeCollisionPair(pin.CollisionPair(i, j))
         first, second = sorted((bodies.links[i], bodies.links[j]))
         names[f"{first} and {second} touch in nearly every posture: not checked"] = None

@@ -45,16 +45,13 @@ class PlacedRobot:
     @cached_property
     def heads(self) -> dict[str, str]:
         """For each link the first of its rigid body: links that no moving joint parts are one."""
-        robot, found = self.chains.robot, {}
-        for link in robot.links:
-            top = link
-            while top in robot.above:
-                joint = robot.above[top]
-                if joint.name in self.roles.columns or joint.name in self.roles.followers:
-                    break
-                top = joint.parent
-            found[link] = top
-        return found
+        robot, moving = self.chains.robot, {*self.roles.columns, *self.roles.followers}
+        return {
+            link: next(
+                (j.child for j in reversed(robot.chain(link)) if j.name in moving), robot.root
+            )
+            for link in robot.links
+        }
 
     def links_without_inertia(self) -> list[str]:
         """Return the moving links whose inertia the URDF does not state.

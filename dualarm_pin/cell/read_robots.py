@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -11,8 +11,8 @@ from dualarm_pin.cell.chains import Chains, find_tip, single_chain, twin_chains
 from dualarm_pin.cell.joint_settings import Blame
 from dualarm_pin.cell.parts import ARMS
 from dualarm_pin.errors import InputError
-from dualarm_pin.files.cell_spec import CellSpec
-from dualarm_pin.files.source import Key, Source, check
+from dualarm_pin.files.cell_spec import ArmSpec, CellSpec
+from dualarm_pin.files.source import Key, Source, Spec, check
 from dualarm_pin.robot.packages import find_file
 from dualarm_pin.robot.read_urdf import parse_urdf
 from dualarm_pin.robot.robot import Robot
@@ -71,42 +71,44 @@ class Loader:
         """Further folders to search, as the cell file gives them."""
         return tuple(self.folder / entry for entry in self.spec.package_dirs)
 
-    def find(self, name: str, keys: Sequence[str]) -> Path:
-        """Return the file that `name`, which stands at `keys`, means."""
+    def refuse(self, level: Spec, names: Iterable[str], keys: Sequence[str], message: str) -> None:
+        """Refuse names that the file gives on a level, which stands at `keys`."""
+        for name in names:
+            if name in level.model_fields_set and getattr(level, name) not in (None, {}):
+                raise self.blame(message.format(name), (*keys, name))
+
+    def _find(self, name: str, keys: Sequence[str]) -> Path:
         try:
-            path = find_file(name, self.folder, self.package_dirs)
+            return find_file(name, self.folder, self.package_dirs)
         except InputError as error:
             raise _placed(error, self.blame, keys) from error
-        return path
 
     def note(self, path: Path, raw: bytes) -> None:
         """Keep the fingerprint of a file."""
         self.sources[path] = hashlib.sha256(raw).hexdigest()
 
-    def robot(
-        self, name: str, arguments: Mapping[str, str | bool | float], keys: Sequence[str]
-    ) -> Robot:
-        """Read a URDF or xacro file."""
-        path = self.find(name, keys)
+    def read(
+        self, level: CellSpec | ArmSpec, keys: Sequence[str] = ()
+    ) -> tuple[Robot, Srdf | None]:
+        """Read the URDF or xacro file, and the SRDF if any, of a level that stands at `keys`."""
+        path = self._find(level.urdf or "", (*keys, "urdf"))
         raw = read_bytes(path)
         self.note(path, raw)
         if path.suffix == ".xacro":
             from dualarm_pin.robot.xacro import expand_xacro
 
-            raw = expand_xacro(path, arguments, self.package_dirs)
-        robot = parse_urdf(raw, path)
-        self.warnings += [w for w in robot.warnings if w not in self.warnings]
-        return robot
+            raw = expand_xacro(path, level.xacro, self.package_dirs)
+        robot, srdf = parse_urdf(raw, path), None
+        self._warn(robot)
+        if level.srdf is not None:
+            path = self._find(level.srdf, (*keys, "srdf"))
+            srdf = read_srdf(path, robot)
+            self.note(path, read_bytes(path))
+            self._warn(srdf)
+        return robot, srdf
 
-    def srdf(self, name: str | None, robot: Robot, keys: Sequence[str]) -> Srdf | None:
-        """Read the SRDF of a robot, if one is named."""
-        if name is None:
-            return None
-        path = self.find(name, keys)
-        srdf = read_srdf(path, robot)
-        self.note(path, read_bytes(path))
-        self.warnings += [w for w in srdf.warnings if w not in self.warnings]
-        return srdf
+    def _warn(self, what: Robot | Srdf) -> None:
+        self.warnings += [w for w in what.warnings if w not in self.warnings]
 
 
 def read_robots(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
@@ -126,52 +128,47 @@ def read_robots(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
 
 def _read_both(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
     """Read one URDF that holds both arms."""
-    spec, blame = loader.spec, loader.blame
     for arm in ARMS:
-        for key in ("urdf", "srdf", "base", "xacro"):
-            if key in getattr(spec.arms, arm).model_fields_set:
-                raise blame(
-                    f"the URDF at the top of the file holds both arms already: remove `{key}` "
-                    "here, or give each arm its own `urdf`",
-                    ("arms", arm, key),
-                )
-    robot = loader.robot(spec.urdf or "", spec.xacro, ("urdf",))
-    srdf = loader.srdf(spec.srdf, robot, ("srdf",))
-    tips = tuple(_tip(loader, robot, srdf, arm) for arm in ARMS)
+        loader.refuse(
+            getattr(loader.spec.arms, arm),
+            ("urdf", "srdf", "base", "xacro"),
+            ("arms", arm),
+            "the URDF at the top of the file holds both arms already: remove `{}` "
+            "here, or give each arm its own `urdf`",
+        )
+    robot, srdf = loader.read(loader.spec)
+    first, second = (_tip(loader, robot, srdf, arm) for arm in ARMS)
     try:
-        chains = twin_chains(robot, (tips[0], tips[1]))
+        chains = twin_chains(robot, (first, second))
     except InputError as error:
-        raise _placed(error, blame, ("arms",)) from error
+        raise _placed(error, loader.blame, ("arms",)) from error
     return {"both": chains}, {} if srdf is None else {"both": srdf}
 
 
 def _read_each(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
     """Read a URDF for each arm; an arm without one is a frame that stands still."""
-    spec, blame = loader.spec, loader.blame
-    for key in ("srdf", "xacro"):
-        if key in spec.model_fields_set and getattr(spec, key):
-            raise blame(f"`{key}` belongs to a `urdf` beside it; or give it to each arm", (key,))
+    belongs = "`{}` belongs to a `urdf` beside it; or give it to each arm"
+    loader.refuse(loader.spec, ("srdf", "xacro"), (), belongs)
     chains: dict[str, Chains] = {}
     srdfs: dict[str, Srdf] = {}
     for arm in ARMS:
-        own = getattr(spec.arms, arm)
+        own = getattr(loader.spec.arms, arm)
         if own.urdf is None:
-            for key in ("tip", "group", "srdf", "xacro"):
-                if key in own.model_fields_set:
-                    raise blame(
-                        f"`{key}` needs a robot: give `urdf` for this arm, or one `urdf` at the "
-                        "top for both (an arm without a robot has `base` and `tool` only)",
-                        ("arms", arm, key),
-                    )
+            loader.refuse(
+                own,
+                ("tip", "group", "srdf", "xacro"),
+                ("arms", arm),
+                "`{}` needs a robot: give `urdf` for this arm, or one `urdf` at the "
+                "top for both (an arm without a robot has `base` and `tool` only)",
+            )
             continue
-        robot = loader.robot(own.urdf, own.xacro, ("arms", arm, "urdf"))
-        srdf = loader.srdf(own.srdf, robot, ("arms", arm, "srdf"))
+        robot, srdf = loader.read(own, ("arms", arm))
         if srdf is not None:
             srdfs[arm] = srdf
         chains[arm] = single_chain(robot, arm, _tip(loader, robot, srdf, arm))
     if not chains:
         message = "no robot: give `urdf` for each arm, or one `urdf` at the top for both"
-        raise blame(message, ("arms",))
+        raise loader.blame(message, ("arms",))
     return chains, srdfs
 
 

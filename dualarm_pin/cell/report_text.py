@@ -60,15 +60,10 @@ def _joints(joints: Sequence[Joint]) -> str:
         acceleration = _known(joint.acceleration, scale, f"{unit}/s^2")
         effort = _known(joint.effort, 1.0, "N m" if turns else "N")
         rows.append((joint.name, kind, lower, upper, unit, speed, acceleration, effort))
-    widths = [max(len(row[column]) for row in rows) for column in range(len(rows[0]))]
-    lines = []
-    for row in rows:
-        cells = [
-            text.rjust(width) if column in (2, 3) else text.ljust(width)
-            for column, (text, width) in enumerate(zip(row, widths, strict=True))
-        ]
-        lines.append("  ".join(cells).rstrip())
-    return "\n".join(lines)
+    sides = "<<>><<<<"
+    widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
+    line = "  ".join(f"{{:{side}{width}}}" for side, width in zip(sides, widths, strict=True))
+    return "\n".join(line.format(*row).rstrip() for row in rows)
 
 
 def _known(value: float | None, scale: float, unit: str) -> str:
@@ -79,16 +74,13 @@ def _collision(report: CellReport) -> str:
     collision = report.collision
     lines = [f"Collision: {collision.bodies} bodies, {collision.pairs} pairs checked"]
     if collision.free_share is not None:
-        lines.append(f"  {collision.free_share:.0%} of the random postures are free of collision")
-    elif collision.missing:
-        lines.append("  clearance is unknown: bodies are missing")
+        lines.append(f"{collision.free_share:.0%} of the random postures are free of collision")
     else:
-        lines.append("  clearance is unknown: no two bodies can be compared")
-    text = "\n".join(lines)
+        reason = "bodies are missing" if collision.missing else "no two bodies can be compared"
+        lines.append(f"clearance is unknown: {reason}")
     for title, items in (("missing", collision.missing), ("not checked", collision.dropped)):
-        if items:
-            text += "\n  " + _list(title, items).replace("\n", "\n  ")
-    return text
+        lines += _list(title, items).splitlines() if items else []
+    return "\n  ".join(lines)
 
 
 def _list(title: str, items: Sequence[str]) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Literal, TypeAlias
 
 import numpy as np
@@ -24,18 +24,27 @@ WHOLE_POSE, SPIN_FREE, POSITION_ONLY = 6, 5, 3
 class Path:
     """A path of h relative poses T_e1_e2 (eq. 17), each with a direction u of the index.
 
-    Arrays are read-only. Messages count points from 1, as the paper does.
+    Arrays are read-only copies. Messages count points from 1, as the paper does.
 
     Attributes:
-        position: Origin of e2 in e1, shape (h, 3) [m].
-        rotation: Axes of e2 in e1, shape (h, 3, 3).
-        u: Directions [linear; angular] in e1 axes, shape (h, 6); [tangent; 0] unless given.
-        rows: Constrained components of each point, shape (h,): 6 the whole pose, 5 all but the
-            turn about `spin_axis`, 3 the position alone.
-        spin_axis: Unit axis in e2 about which the tool may turn where `rows` is 5, shape (3,).
-        tangent: Unit tangents in e1 axes, shape (h, 3).
-        arc_length: Length of the path up to each point, from 0, shape (h,) [m].
+        position: Origin of e2 in e1, shape (h, 3) [m], h at least 2.
+        rotation: Axes of e2 in e1, shape (h, 3, 3); (3, 3) does for all points.
+        u: Directions [linear; angular] in e1 axes, shape (h, 6); [tangent; 0] unless given. One
+            (6,) does for all points, and the linear part alone, (h, 3) or (3,).
+        rows: Constrained components of each point, shape (h,), or one for all: 6 the whole pose,
+            5 all but the turn about `spin_axis`, 3 the position alone.
+        spin_axis: Axis in e2 about which the tool may turn where `rows` is 5, shape (3,); made
+            unit.
+        tangent: Tangents in e1 axes, shape (h, 3), made unit; by differences of the points unless
+            given.
+        arc_length: Length of the path up to each point, rising from 0, shape (h,) [m]; the sum of
+            the chords unless given.
         name: What the path is called in messages and plots.
+
+    Raises:
+        ShapeError: An array has another shape.
+        InputError: A value is not finite, a matrix is no rotation, a direction is zero, or two
+            consecutive points coincide; the message names the points.
     """
 
     position: Array
@@ -59,48 +68,27 @@ class Path:
         arc_length: ArrayLike | None = None,
         name: str = "path",
     ) -> None:
-        """Check and freeze a path.
-
-        Args:
-            position: Shape (h, 3) [m], h at least 2.
-            rotation: Shape (h, 3, 3), or (3, 3) for all points.
-            u: Shape (h, 6) or (6,), or the linear part alone, (h, 3) or (3,).
-            rows: 6, 5 or 3; one for all points or shape (h,).
-            spin_axis: Shape (3,), any length.
-            tangent: Shape (h, 3), any length; by differences of the points when not given.
-            arc_length: Shape (h,), rising from 0; the sum of the chords when not given.
-            name: What the path is called.
-
-        Raises:
-            ShapeError: An array has another shape.
-            InputError: A value is not finite, a matrix is no rotation, a direction is zero, or
-                two consecutive points coincide; the message names the points.
-        """
         x = finite(position, "position", (-1, 3))
         h = len(x)
         if h < 2:
             raise InputError(f"a path needs 2 points or more; given {h}", field="position")
         R = rotations(rotation, (h, 3, 3))
-        _refuse_repeated(x, R)
+        if len(twice := coincident(x, R)):
+            i = twice[0] + 1
+            more = f" (and {len(twice) - 1} more pairs)" if len(twice) > 1 else ""
+            message = f"points {i} and {i + 1} coincide{more}: remove one of them"
+            raise InputError(message, field="position")
         t = through(x) if tangent is None else finite(tangent, "tangent", (h, 3))
         t = t / lengths(t, "tangent")[:, None]
         s = _chords(x) if arc_length is None else finite(arc_length, "arc_length", (h,))
         if s[0] != 0.0 or np.any(np.diff(s) < 0.0):
             raise InputError("arc lengths must rise from 0", field="arc_length")
-        values = {
-            "position": x,
-            "rotation": R,
-            "u": _directions(t if u is None else u, h),
-            "rows": _rows(rows, h),
-            "spin_axis": unit(spin_axis, "spin_axis"),
-            "tangent": t,
-            "arc_length": s,
-            "name": name,
-        }
-        for key, value in values.items():
-            if isinstance(value, np.ndarray):
-                value.setflags(write=False)
-            object.__setattr__(self, key, value)
+        directions, axis = _directions(t if u is None else u, h), unit(spin_axis, "spin_axis")
+        arrays = (x, R, directions, _rows(rows, h), axis, t, s)
+        for field, array in zip(fields(self), arrays, strict=False):
+            array.setflags(write=False)
+            object.__setattr__(self, field.name, array)
+        object.__setattr__(self, "name", name)
 
     @property
     def h(self) -> int:
@@ -140,16 +128,9 @@ class Path:
         index = np.asarray(points, dtype=np.int64).reshape(-1)
         if len(index) < 2 or np.any(np.diff(index) <= 0) or index[0] < 0 or index[-1] >= self.h:
             raise InputError(f"points must be 2 or more rising indices below {self.h}: {points}")
-        return Path(
-            self.position[index],
-            self.rotation[index],
-            u=self.u[index],
-            rows=self.rows[index],
-            spin_axis=self.spin_axis,
-            tangent=self.tangent[index],
-            arc_length=self.arc_length[index] - self.arc_length[index[0]],
-            name=self.name,
-        )
+        every = ("position", "rotation", "u", "rows", "tangent")
+        parts = {name: getattr(self, name)[index] for name in every}
+        return replace(self, arc_length=self.arc_length[index] - self.arc_length[index[0]], **parts)
 
     def moved(self, placement: pin.SE3) -> Path:
         """Return the path moved as a rigid whole: `placement` is the old frame seen in e1."""
@@ -176,9 +157,8 @@ def through(position: Array) -> Array:
     """
     s, which = np.unique(_chords(position), return_inverse=True)
     if len(s) < 2:
-        raise InputError(
-            "all points coincide: the path has no length and no tangent", field="position"
-        )
+        message = "all points coincide: the path has no length and no tangent"
+        raise InputError(message, field="position")
     places = position[np.unique(which, return_index=True)[1]]
     order: Literal[1, 2] = 2 if len(s) > 2 else 1
     tangent = np.gradient(places, s, axis=0, edge_order=order)
@@ -199,18 +179,15 @@ def coincident(position: Array, rotation: Array) -> Counts:
 
     Points in one place with different rotations are no mistake: the tool turns where it stands.
     """
-    near = np.linalg.norm(np.diff(position, axis=0), axis=1) <= TOLERANCE.coincident
-    same = np.abs(np.diff(rotation, axis=0)).max(axis=(1, 2)) <= TOLERANCE.coincident
-    return np.flatnonzero(near & same)
+    still = repeated(position)
+    turn = np.abs(rotation[still + 1] - rotation[still]).max(axis=(1, 2), initial=0.0)
+    return np.asarray(still[turn <= TOLERANCE.coincident])
 
 
-def _refuse_repeated(x: Array, R: Array) -> None:
-    twice = coincident(x, R)
-    if len(twice):
-        i = twice[0] + 1
-        more = f" (and {len(twice) - 1} more pairs)" if len(twice) > 1 else ""
-        message = f"points {i} and {i + 1} coincide{more}: remove one of them"
-        raise InputError(message, field="position")
+def repeated(position: Array) -> Counts:
+    """Return each i, from 0, where point i + 1 is in the place of point i."""
+    steps = np.linalg.norm(np.diff(position, axis=0), axis=1)
+    return np.flatnonzero(steps <= TOLERANCE.coincident)
 
 
 def _directions(value: ArrayLike, h: int) -> Array:
@@ -223,11 +200,9 @@ def _directions(value: ArrayLike, h: int) -> Array:
 
 def _rows(value: ArrayLike, h: int) -> Counts:
     array = np.asarray(value)
-    allowed = (WHOLE_POSE, SPIN_FREE, POSITION_ONLY)
     if array.shape not in ((), (h,)):
-        raise ShapeError(
-            f"one value or shape ({h},) is expected; given {array.shape}", field="rows"
-        )
-    if not np.isin(array, allowed).all():
+        message = f"one value or shape ({h},) is expected; given {array.shape}"
+        raise ShapeError(message, field="rows")
+    if not np.isin(array, (WHOLE_POSE, SPIN_FREE, POSITION_ONLY)).all():
         raise InputError(f"6, 5 or 3 is expected; given {np.unique(array).tolist()}", field="rows")
     return np.broadcast_to(array, (h,)).astype(np.int64)

@@ -8,11 +8,10 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
-from dualarm_pin.path import Path
-from dualarm_pin.path.generators.curve import at_arc_length, sample
-from dualarm_pin.path.generators.piece import Piece, line_piece
+from dualarm_pin.path.generators.curve import at_arc_length, knots_of, sample
+from dualarm_pin.path.generators.piece import line_piece
 from dualarm_pin.path.generators.spatial import spline_pieces
-from dualarm_pin.tolerance import TOLERANCE
+from dualarm_pin.path.path import Path, repeated
 
 
 def resample(
@@ -34,17 +33,14 @@ def resample(
     Raises:
         InputError: Both `points` and `step`, or points in one place (the tool turns on the spot).
     """
-    still = np.flatnonzero(
-        np.linalg.norm(np.diff(path.position, axis=0), axis=1) <= TOLERANCE.coincident
-    )
-    if len(still):
+    if len(still := repeated(path.position)):
         message = f"the tool turns on the spot at points {still[0] + 1} and {still[0] + 2}"
         raise InputError(f"{message}: such a path is not resampled", field="position")
     if smooth:
         pieces = spline_pieces(path.position, "position")
     else:
         pieces = [line_piece(start, stop) for start, stop in itertools.pairwise(path.position)]
-    knots = _knots(pieces)
+    knots = knots_of(pieces)
     if points is None and step is None:
         samples = at_arc_length(pieces, knots)
     else:
@@ -62,10 +58,6 @@ def resample(
         arc_length=samples.arc_length,
         name=path.name,
     )
-
-
-def _knots(pieces: list[Piece]) -> Array:
-    return np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
 
 
 def _between_rotations(rotation: Array, knots: Array, s: Array) -> Array:

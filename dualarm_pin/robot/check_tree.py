@@ -21,12 +21,8 @@ def check_tree(links: Mapping[str, Link], joints: Mapping[str, UrdfJoint], file:
     for joint in joints.values():
         if joint.child in above:
             other = above[joint.child]
-            raise _at(
-                file,
-                joint,
-                f"its child link {joint.child!r} is already the child of joint {other.name!r} "
-                f"(line {other.line}): a loop; a URDF is a tree",
-            )
+            taken = f"its child link {joint.child!r} is already the child of joint {other.name!r}"
+            raise joint.error(f"{taken} (line {other.line}): a loop; a URDF is a tree", file)
         above[joint.child] = joint
     depth: dict[str, int] = {}  # of links known to hang from a root
     for joint in joints.values():
@@ -54,14 +50,15 @@ def _climb(
     while link not in depth and link in above:
         if link == start.child:
             path = "its own child" if start.parent == start.child else "below its own child"
-            raise _at(file, start, f"its parent link {start.parent!r} is {path}: a loop")
+            raise start.error(f"its parent link {start.parent!r} is {path}: a loop", file)
         if len(passed) > len(above):  # runs into a loop that another joint will report
             return
         passed.append(link)
         link = above[link].parent
     for steps, each in enumerate(reversed(passed), start=depth.get(link, 0) + 1):
         if steps > _DEEPEST:
-            raise _at(file, above[each], f"more than {_DEEPEST} joints lie between it and the root")
+            message = f"more than {_DEEPEST} joints lie between it and the root"
+            raise above[each].error(message, file)
         depth[each] = steps
 
 
@@ -71,10 +68,6 @@ def _check_mimics(joints: Mapping[str, UrdfJoint], file: Path) -> None:
         mimic = joint.mimic
         while mimic is not None:
             if mimic.joint in seen:
-                raise _at(file, joint, f"mimics itself through {mimic.joint!r}")
+                raise joint.error(f"mimics itself through {mimic.joint!r}", file)
             seen.add(mimic.joint)
             mimic = joints[mimic.joint].mimic if mimic.joint in joints else None
-
-
-def _at(file: Path, joint: UrdfJoint, message: str) -> InputError:
-    return InputError(message, file=file, line=joint.line, field=f"joint {joint.name!r}")

@@ -8,8 +8,11 @@ from functools import cached_property
 from pathlib import Path
 from typing import Literal
 
+from dualarm_pin.errors import InputError
+
 Triple = tuple[float, float, float]
 MOVING = ("revolute", "continuous", "prismatic")
+MOMENTS = ("ixx", "ixy", "ixz", "iyy", "iyz", "izz")
 KINDS = ("fixed", *MOVING, "floating", "planar")
 
 
@@ -38,7 +41,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class Inertial:
-    """Mass [kg], pose of the centre of mass, and inertia ixx ixy ixz iyy iyz izz [kg m^2]."""
+    """Mass [kg], pose of the centre of mass, and inertia, the `MOMENTS` [kg m^2]."""
 
     mass: float
     xyz: Triple
@@ -105,6 +108,10 @@ class UrdfJoint:
     def moves(self) -> bool:
         """Whether it has one degree of freedom."""
         return self.kind in MOVING
+
+    def error(self, message: str, file: Path) -> InputError:
+        """Return an error at this joint of `file`."""
+        return InputError(message, file=file, line=self.line, field=f"joint {self.name!r}")
 
 
 @dataclass(frozen=True)

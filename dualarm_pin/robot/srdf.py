@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.robot.robot import Robot
-from dualarm_pin.robot.xml import Reader, parse_xml, read_bytes
+from dualarm_pin.robot.xml import Element, read_bytes, read_root
 
 
 @dataclass(frozen=True)
@@ -48,45 +47,39 @@ def read_srdf(file: Path, robot: Robot) -> Srdf:
         MissingFileError: There is no such file.
         InputError: It is not an SRDF, or names not one link of the robot.
     """
-    root = parse_xml(read_bytes(file), file)
-    read = Reader(file, root)
-    if read.tag(root) != "robot":
-        raise read.error("this is not an SRDF: it starts with <robot name=...>", root, "")
-    warnings: list[str] = []
-    named = 0
+    root = read_root(read_bytes(file), file)
+    if root.tag != "robot":
+        raise root.error("this is not an SRDF: it starts with <robot name=...>")
+    warnings = root.document.warnings
+    pairs = root.children("disable_collisions", owner="disable_collisions")
     disabled: set[frozenset[str]] = set()
-    for element in read.children(root, "disable_collisions"):
-        pair = [read.text(element, key, "disable_collisions") for key in ("link1", "link2")]
+    for element in pairs:
+        pair = [element.text(key) for key in ("link1", "link2")]
         strange = [link for link in pair if link not in robot.links]
-        named += 1
         if strange:
             warnings.append(
-                f"{file.name}:{element.sourceline}: {robot.file.name} has no link {strange[0]!r}: "
+                f"{file.name}:{element.line}: {robot.file.name} has no link {strange[0]!r}: "
                 f"{nearest(strange[0], robot.links)}"
             )
         else:
             disabled.add(frozenset(pair))
-    if named and not disabled:
+    if pairs and not disabled:
         raise InputError(
-            f"none of its {named} pairs exists in {robot.file.name}: is it of another robot?",
+            f"none of its {len(pairs)} pairs exists in {robot.file.name}: is it of another robot?",
             file=file,
         )
-    tips = _tips(read, root, robot)
-    return Srdf(file, frozenset(disabled), tips, tuple(warnings))
+    return Srdf(file, frozenset(disabled), _tips(root, robot), tuple(warnings))
 
 
-def _tips(read: Reader, root: Any, robot: Robot) -> dict[str, str]:
+def _tips(root: Element, robot: Robot) -> dict[str, str]:
     """Return the last link of each group: of its chain, its links, or its joints."""
     tips: dict[str, str] = {}
-    for group in read.children(root, "group"):
-        names = [chain.get("tip_link", "") for chain in read.children(group, "chain")]
-        names += [link.get("name", "") for link in read.children(group, "link")]
-        names += [
-            robot.joints[joint.get("name")].child
-            for joint in read.children(group, "joint")
-            if joint.get("name") in robot.joints
-        ]
+    for group in root.children("group"):
+        names = [chain.get("tip_link") or "" for chain in group.children("chain")]
+        names += [link.get("name") or "" for link in group.children("link")]
+        joints = [robot.joints.get(joint.get("name") or "") for joint in group.children("joint")]
+        names += [joint.child for joint in joints if joint is not None]
         links = [name for name in names if name in robot.links]
-        if links and group.get("name"):
-            tips[group.get("name")] = max(links, key=lambda link: len(robot.chain(link)))
+        if links and (name := group.get("name")):
+            tips[name] = max(links, key=lambda link: len(robot.chain(link)))
     return tips

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Unpack
 
@@ -13,7 +14,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.path import Path
 from dualarm_pin.path.files.machine_program import INCH, MILLIMETRE, Move, choose, read_text
-from dualarm_pin.path.generators.curve import at_arc_length, sample
+from dualarm_pin.path.generators.curve import at_arc_length, knots_of, sample
 from dualarm_pin.path.generators.follow import Hold, hold
 from dualarm_pin.path.generators.piece import Piece, line_piece
 from dualarm_pin.tolerance import TOLERANCE
@@ -56,8 +57,7 @@ def read_apt(
     moves, tilted = _moves(file)
     pieces = [m.piece for m in choose(moves, rapids=rapids, stretch=stretch, file=file)]
     if points is None and step is None:
-        lengths = [piece.length for piece in pieces]
-        samples = at_arc_length(pieces, np.concatenate([[0.0], np.cumsum(lengths)]))
+        samples = at_arc_length(pieces, knots_of(pieces))
     else:
         samples = sample(pieces, points=points, step=step)
     default: Hold = {"orientation": "normal"} if tilted else {}
@@ -84,7 +84,11 @@ def _moves(file: str | FilePath) -> tuple[list[Move], bool]:
             if len(values) == 6:
                 axis, tilted = _checked_axis(values[3:], file, number), True
             if at is not None and word == "GOTO":
-                _append(moves, Move(number, _line(at, stop, before, axis), rapid), file)
+                if np.linalg.norm(stop - at) > TOLERANCE.coincident:
+                    moves.append(Move(number, _line(at, stop, before, axis), rapid))
+                elif np.ptp([before, axis], axis=0).max() > TOLERANCE.coincident:
+                    spot = "the tool turns on the spot: a path from APT needs a distance between"
+                    raise InputError(f"{spot} its points", file=file, line=number)
             at = stop
             # RAPID holds for one move.
             rapid = False
@@ -132,25 +136,7 @@ def _checked_axis(axis: Array, file: str | FilePath, line_number: int) -> Array:
 
 def _line(start: Array, stop: Array, axis: Array, next_axis: Array) -> Piece:
     def turning(t: Array) -> Array:
-        return _unit(axis + t[:, None] * (next_axis - axis))
+        axes = axis + t[:, None] * (next_axis - axis)
+        return np.asarray(axes / np.linalg.norm(axes, axis=1, keepdims=True))
 
-    plain = line_piece(start, stop)
-    return Piece(plain.point, plain.derivative, turning)
-
-
-def _append(moves: list[Move], move: Move, file: str | FilePath) -> None:
-    """Add a move, unless it goes nowhere."""
-    if move.piece.length > TOLERANCE.coincident:
-        moves.append(move)
-        return
-    normal = move.piece.normal
-    if (
-        normal is not None
-        and np.ptp(normal(np.array([0.0, 1.0])), axis=0).max() > TOLERANCE.coincident
-    ):
-        message = "the tool turns on the spot: a path from APT needs a distance between its points"
-        raise InputError(message, file=file, line=move.line)
-
-
-def _unit(vectors: Array) -> Array:
-    return np.asarray(vectors / np.linalg.norm(vectors, axis=1, keepdims=True))
+    return replace(line_piece(start, stop), normal=turning)

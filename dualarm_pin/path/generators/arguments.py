@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Annotated, TypeAlias
 
@@ -13,6 +14,7 @@ from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import Vector
 from dualarm_pin.files.signature import Count, InFile
+from dualarm_pin.path.generators.piece import UP, Piece, arc_piece
 
 Angle: TypeAlias = Annotated[float, InFile(float, degrees=True)]
 """An angle [rad]; in files the key ends in `_deg`."""
@@ -52,3 +54,21 @@ def not_zero(**values: float) -> None:
 def middle(center: ArrayLike, height: float) -> Array:
     """Return the point above `center` (x, y) at `height` [m]."""
     return np.append(finite(center, "center", (2,)), finite(height, "height", ()))
+
+
+def about_z(
+    radius: float, center: ArrayLike, height: float, start: float, angle: float, rise: float = 0.0
+) -> Piece:
+    """Return the arc about z through `angle` from `start` [rad], lifted evenly by `rise` [m].
+
+    Its normal is z if it does not rise.
+
+    Raises:
+        InputError: A radius that is not positive.
+    """
+    positive(radius=radius)
+    x = radius * np.array([math.cos(start), math.sin(start), 0.0])
+    y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
+    return arc_piece(
+        middle(center, height), x, y, angle, rise=rise * UP, normal=None if rise else UP
+    )

@@ -56,24 +56,19 @@ def sample(
     if (points is None) == (step is None):
         given = "neither is" if points is None else "both are"
         raise InputError(f"give one of `points` and `step`: {given} given", field="points")
-    starts = _starts(pieces)
+    starts = knots_of(pieces)
     arrives, leaves = _end_tangents(pieces)
     turn = np.arccos(np.clip(np.sum(arrives[:-1] * leaves[1:], axis=1), -1.0, 1.0))
     corners = np.concatenate([[0.0], starts[1:-1][turn > SHARP], [starts[-1]]])
     counts = _share(np.diff(corners), points, step)
-    s = np.concatenate(
-        [[0.0]]
-        + [
-            np.linspace(a, b, n + 1)[1:]
-            for a, b, n in zip(corners, corners[1:], counts, strict=False)
-        ]
-    )
-    return at_arc_length(pieces, s)
+    stretches = zip(corners, corners[1:], counts, strict=False)
+    s = [np.linspace(a, b, n + 1)[1:] for a, b, n in stretches]
+    return at_arc_length(pieces, np.concatenate([[0.0], *s]))
 
 
 def at_arc_length(pieces: Sequence[Piece], s: Array) -> Samples:
     """Return the points of a curve at the arc lengths `s` from its start, shape (h,)."""
-    starts = _starts(pieces)
+    starts = knots_of(pieces)
     close = 1e-9 * starts[-1]
     which = np.clip(np.searchsorted(starts, s + close, side="right") - 1, 0, len(pieces) - 1)
     position, tangent, normal = np.zeros((3, len(s), 3))
@@ -93,8 +88,8 @@ def at_arc_length(pieces: Sequence[Piece], s: Array) -> Samples:
     return Samples(position, tangent, s, normal if surface else None)
 
 
-def _starts(pieces: Sequence[Piece]) -> Array:
-    """Return the arc length at the start of each piece and at the end."""
+def knots_of(pieces: Sequence[Piece]) -> Array:
+    """Return the arc length at the start of each piece and at the end, shape (k + 1,) [m]."""
     return np.concatenate([[0.0], np.cumsum([piece.length for piece in pieces])])
 
 
@@ -125,10 +120,8 @@ def _share(stretches: Array, points: int | None, step: float | None) -> list[int
 def _mean(arrives: Array, leaves: Array) -> Array:
     """Return the unit mean of two directions, or the second where they are opposite."""
     mean = arrives + leaves
-    length = np.linalg.norm(mean, axis=1, keepdims=True)
-    return np.where(
-        length > TOLERANCE.parallel, mean / np.maximum(length, TOLERANCE.parallel), leaves
-    )
+    length, least = np.linalg.norm(mean, axis=1, keepdims=True), TOLERANCE.parallel
+    return np.where(length > least, mean / np.maximum(length, least), leaves)
 
 
 def _end_tangents(pieces: Sequence[Piece]) -> tuple[Array, Array]:

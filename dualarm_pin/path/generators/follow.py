@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, TypeAlias, TypedDict
+from typing import Literal, TypeAlias, TypedDict, get_args
 
 import numpy as np
 import pinocchio as pin
@@ -136,8 +136,7 @@ def _orient(samples: Samples, R: Array, orientation: Orientation) -> Array:
     if orientation == "tangent":
         return _axes(samples.tangent, np.broadcast_to(R[:, 2], (h, 3)))
     if orientation not in ("normal", "normal_tangent"):
-        known = ("constant", "tangent", "normal", "normal_tangent")
-        message = f"{orientation!r} is unknown: {nearest(orientation, known)}"
+        message = f"{orientation!r} is unknown: {nearest(orientation, get_args(Orientation))}"
         raise InputError(message, field="orientation")
     if samples.normal is None:
         message = f"{orientation!r} needs a surface, and this curve lies on none: use tangent"
@@ -174,14 +173,5 @@ def _shortest(start: Array, stop: Array) -> Array:
             "`rotation` is not unique; give another `rotation`",
             field="orientation",
         )
-    v = np.cross(start, stop)
-    zero = np.zeros(len(v))
-    skew = np.stack(
-        [
-            np.stack([zero, -v[:, 2], v[:, 1]], axis=1),
-            np.stack([v[:, 2], zero, -v[:, 0]], axis=1),
-            np.stack([-v[:, 1], v[:, 0], zero], axis=1),
-        ],
-        axis=1,
-    )
+    skew = np.cross(np.cross(start, stop)[:, None], np.eye(3)).transpose(0, 2, 1)
     return np.asarray(np.eye(3) + skew + skew @ skew / (1.0 + cosine)[:, None, None])

@@ -10,14 +10,21 @@ from collections.abc import Sequence
 from typing import Unpack
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.path.generators.arguments import Angle, Point2, Shares, middle, not_zero, positive
+from dualarm_pin.path.generators.arguments import (
+    Angle,
+    Point2,
+    Shares,
+    about_z,
+    middle,
+    not_zero,
+    positive,
+)
 from dualarm_pin.path.generators.curve import Samples
 from dualarm_pin.path.generators.follow import Follow, Hold, follow, hold
-from dualarm_pin.path.generators.piece import UP, Piece, arc_piece, flat
+from dualarm_pin.path.generators.piece import UP, flat
 from dualarm_pin.path.generators.polyline import rounded
 
 
@@ -83,7 +90,8 @@ def circle(
         InputError: A radius that is not positive, or no turn.
     """
     not_zero(turns=turns)
-    return follow([_arc(radius, center, height, start, 2 * math.pi * turns)], "circle", how)
+    piece = about_z(radius, center, height, start, 2 * math.pi * turns)
+    return follow([piece], "circle", how)
 
 
 def arc(
@@ -110,7 +118,7 @@ def arc(
     """
     if start == stop:
         raise InputError("the arc has no length: start and stop are the same", field="stop")
-    return follow([_arc(radius, center, height, start, stop - start)], "arc", how)
+    return follow([about_z(radius, center, height, start, stop - start)], "arc", how)
 
 
 def raster(
@@ -144,13 +152,6 @@ def raster(
     y = np.repeat(np.linspace(-0.5, 0.5, rows), 2) * depth
     vertices = np.column_stack([x, y, np.zeros(2 * rows)]) + middle(center, height)
     return follow([flat(piece) for piece in rounded(vertices, fillet)], "raster", how)
-
-
-def _arc(radius: float, center: ArrayLike, height: float, start: float, angle: float) -> Piece:
-    positive(radius=radius)
-    x = radius * np.array([math.cos(start), math.sin(start), 0.0])
-    y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
-    return arc_piece(middle(center, height), x, y, angle, normal=UP)
 
 
 def _paper(side: float, r: float, height: float, points: Sequence[int]) -> Samples:

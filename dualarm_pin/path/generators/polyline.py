@@ -10,10 +10,10 @@ from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
-from dualarm_pin.path import Path
 from dualarm_pin.path.generators.arguments import Points3
 from dualarm_pin.path.generators.follow import Follow, follow
 from dualarm_pin.path.generators.piece import Piece, arc_piece, line_piece
+from dualarm_pin.path.path import Path, repeated
 from dualarm_pin.tolerance import TOLERANCE
 
 
@@ -46,9 +46,7 @@ def distinct(value: ArrayLike, field: str) -> Array:
     points = finite(value, field, (-1, 3))
     if len(points) < 2:
         raise InputError(f"2 points or more are expected; given {len(points)}", field=field)
-    short = np.linalg.norm(np.diff(points, axis=0), axis=1) <= TOLERANCE.coincident
-    twice = np.flatnonzero(short)
-    if len(twice):
+    if len(twice := repeated(points)):
         i = twice[0] + 1
         raise InputError(f"points {i} and {i + 1} coincide: remove one of them", field=field)
     return points

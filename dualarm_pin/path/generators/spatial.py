@@ -9,12 +9,11 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.path import Path
-from dualarm_pin.path.generators.arguments import Angle, Point2, Points3, middle, not_zero, positive
+from dualarm_pin.path.generators.arguments import Angle, Point2, Points3, about_z, not_zero
 from dualarm_pin.path.generators.follow import Follow, follow
-from dualarm_pin.path.generators.piece import Piece, arc_piece
+from dualarm_pin.path.generators.piece import Piece
 from dualarm_pin.path.generators.polyline import distinct
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -43,13 +42,9 @@ def helix(
     Raises:
         InputError: A radius that is not positive, or no turn.
     """
-    positive(radius=radius)
     not_zero(turns=turns)
-    x = radius * np.array([math.cos(start), math.sin(start), 0.0])
-    y = radius * np.array([-math.sin(start), math.cos(start), 0.0])
-    rise = np.array([0.0, 0.0, pitch * abs(turns)])
-    piece = arc_piece(middle(center, height), x, y, 2 * math.pi * turns, rise=rise)
-    return follow([piece], "helix", how)
+    angle, rise = 2 * math.pi * turns, pitch * abs(turns)
+    return follow([about_z(radius, center, height, start, angle, rise)], "helix", how)
 
 
 def spline(through: Points3, *, closed: bool = False, **how: Unpack[Follow]) -> Path:
@@ -88,12 +83,11 @@ def spline_pieces(through: ArrayLike, field: str, closed: bool = False) -> list[
     panels = max(4, 64 // len(points))
 
     def piece(a: float, b: float) -> Piece:
-        def point(t: Array) -> Array:
-            return np.asarray(curve(a + t * (b - a)))
-
-        def derivative(t: Array) -> Array:
-            return np.asarray((b - a) * slope(a + t * (b - a)))
-
-        return Piece(point, derivative, even=False, panels=panels)
+        return Piece(
+            lambda t: np.asarray(curve(a + t * (b - a))),
+            lambda t: np.asarray((b - a) * slope(a + t * (b - a))),
+            even=False,
+            panels=panels,
+        )
 
     return [piece(a, b) for a, b in itertools.pairwise(knots)]
