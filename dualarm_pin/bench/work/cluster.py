@@ -29,6 +29,8 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
     import dask
     import distributed as dd
 
+    from dualarm_pin.search.workers import available_processors
+
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS - 1,
         "distributed.comm.timeouts.connect": CONNECT,
@@ -43,7 +45,7 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
             )
             cluster = stack.enter_context(
                 distributed.LocalCluster(
-                    n_workers=jobs or _processors(),
+                    n_workers=jobs or available_processors(),
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
@@ -52,7 +54,7 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
                     memory_limit=0,  # the runs are in processes of their own
                     local_directory=scratch,
                     silence_logs=logging.CRITICAL,
-                    preload=["dualarm_pin.bench.work.ignore_interrupt"],
+                    preload=["dualarm_pin.bench.work.runner"],
                 )
             )
             yield stack.enter_context(distributed.Client(cluster, set_as_default=False))
@@ -100,9 +102,3 @@ def _version() -> str:
     from dualarm_pin import __version__ as version
 
     return version
-
-
-def _processors() -> int:
-    from dualarm_pin.search.workers import available_processors
-
-    return available_processors()
