@@ -71,7 +71,7 @@ def problem_table(group: Sequence[Summary]) -> str:
             near = TOLERANCE.same_objective * max(1.0, abs(min(values)))
             least[shown.heading] = min(values) + near
     lines = [
-        f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.runs)}"
+        f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.statuses.total())}"
         f"{''.join(_figure(s, shown, least.get(shown.heading)) for shown in looks)}"
         f"{_words(_evidence(s))}</tr>"
         for s in group

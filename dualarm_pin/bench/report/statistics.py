@@ -24,7 +24,6 @@ class Summary:
 
     Attributes:
         method: Name of the method.
-        runs: How many there are.
         found: How many were verified.
         statuses: How many ended in which way.
         figures: Value of every shown column by its heading, None where there is none.
@@ -33,7 +32,6 @@ class Summary:
     """
 
     method: str
-    runs: int
     found: int
     statuses: Counter[str]
     figures: Mapping[str, float | None]
@@ -65,7 +63,6 @@ def _summary(method: str, runs: Sequence[Row]) -> Summary:
     best = min(valued, key=lambda row: float(row["objective"]), default=None)
     return Summary(
         method=method,
-        runs=len(runs),
         found=len(found),
         statuses=Counter(row["status"] for row in runs),
         figures={

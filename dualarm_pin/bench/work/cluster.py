@@ -65,9 +65,8 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
                 distributed.Client(address, timeout=CONNECT, set_as_default=False)
             )
         except (OSError, TimeoutError, ValueError) as error:
-            raise InputError(
-                f"no scheduler answers at {address!r}: start one with `dask scheduler`",
-                field="--cluster",
+            raise _refused(
+                f"no scheduler answers at {address!r}: start one with `dask scheduler`"
             ) from error
         _probe(client, address)
         yield client
@@ -78,24 +77,25 @@ def _probe(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=CONNECT)
     except TimeoutError as error:
-        raise InputError(
-            f"the scheduler at {address!r} has no worker: start some with `dask worker {address}`",
-            field="--cluster",
+        raise _refused(
+            f"the scheduler at {address!r} has no worker: start some with `dask worker {address}`"
         ) from error
     try:
         found = client.run(_version)
     except Exception as error:
-        raise InputError(
-            f"a worker of {address!r} cannot import dualarm_pin: install it there ({error})",
-            field="--cluster",
+        raise _refused(
+            f"a worker of {address!r} cannot import dualarm_pin: install it there ({error})"
         ) from error
     for worker, version in found.items():
         if version != __version__:
-            raise InputError(
+            raise _refused(
                 f"worker {worker} has dualarm-pin {version}, this is {__version__}: install the "
-                "same version everywhere",
-                field="--cluster",
+                "same version everywhere"
             )
+
+
+def _refused(message: str) -> InputError:
+    return InputError(message, field="--cluster")
 
 
 def _version() -> str:
