@@ -10,10 +10,9 @@ from __future__ import annotations
 import csv
 import io
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-
-import numpy as np
 
 from dualarm_pin.answer.folder import save_result
 from dualarm_pin.answer.trajectory import Trajectory
@@ -31,18 +30,23 @@ from dualarm_pin.task import Task
 
 PAPER_MEANS = {"two-stage": 1.17, "pseudo-inverse": 1.52}
 RANDOM_STARTS = 3  # the red, green and magenta curves of the paper's Fig. 5
-_COLUMNS = (
-    "method",
-    "mean c",
-    "arc mean",
-    "max c",
-    "objective",
-    "step [deg]",
-    "bounds [deg]",
-    "clearance [m]",
-    "between arms [m]",
-    "time [s]",
-)
+
+
+def _metres(value: float | None) -> str:
+    return "-" if value is None else f"{value:.3f}"
+
+
+_COLUMNS: dict[str, Callable[[Trajectory], str]] = {
+    "mean c": lambda t: f"{t.mean_index:.4f}",
+    "arc mean": lambda t: f"{t.arc_mean_index:.4f}",
+    "max c": lambda t: f"{t.max_index:.4f}",
+    "objective": lambda t: f"{t.objective:.4f}",
+    "step [deg]": lambda t: f"{math.degrees(t.max_joint_step):.2f}",
+    "bounds [deg]": lambda t: f"{math.degrees(t.max_bound_violation):.2f}",
+    "clearance [m]": lambda t: _metres(t.min_clearance),
+    "between arms [m]": lambda t: _metres(t.arm_clearance),
+    "time [s]": lambda t: f"{t.timing.wall_s:.1f}",
+}
 
 
 @dataclass(frozen=True)
@@ -58,13 +62,17 @@ class Reproduction:
     trajectories: dict[str, Trajectory]
 
     def rows(self) -> list[tuple[str, ...]]:
-        """Return the table: one row a trajectory."""
-        return [_row(label, t) for label, t in self.trajectories.items()]
+        """Return the table: the head, then one row a trajectory."""
+        body = (
+            (label, *(text(t) for text in _COLUMNS.values()))
+            for label, t in self.trajectories.items()
+        )
+        return [("method", *_COLUMNS), *body]
 
     def table(self) -> str:
         """Return the table as text."""
-        rows = [_COLUMNS, *self.rows()]
-        widths = [max(len(row[i]) for row in rows) for i in range(len(_COLUMNS))]
+        rows = self.rows()
+        widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
         lines = [
             row[0].ljust(widths[0])
             + "".join(f"  {cell:>{w}}" for cell, w in zip(row[1:], widths[1:], strict=True))
@@ -134,7 +142,7 @@ def write(reproduction: Reproduction, folder: Path) -> list[Path]:
 
     task, trajectories = reproduction.task, reproduction.trajectories
     text = io.StringIO()
-    csv.writer(text, lineterminator="\n").writerows([_COLUMNS, *reproduction.rows()])
+    csv.writer(text, lineterminator="\n").writerows(reproduction.rows())
     write_text(folder / "table.csv", text.getvalue())
     write_text(folder / "table.txt", reproduction.table() + "\n")
     for label, trajectory in trajectories.items():
@@ -172,25 +180,6 @@ def write(reproduction: Reproduction, folder: Path) -> list[Path]:
     return [*written, folder / "animation.html"]
 
 
-def _row(label: str, t: Trajectory) -> tuple[str, ...]:
-    return (
-        label,
-        f"{t.mean_index:.4f}",
-        f"{t.arc_mean_index:.4f}",
-        f"{t.max_index:.4f}",
-        f"{t.objective:.4f}",
-        f"{math.degrees(t.max_joint_step):.2f}",
-        f"{math.degrees(t.max_bound_violation):.2f}",
-        _metres(t.min_clearance),
-        _metres(t.arm_clearance),
-        f"{t.timing.wall_s:.1f}",
-    )
-
-
-def _metres(value: float | None) -> str:
-    return "-" if value is None else f"{value:.3f}"
-
-
 def notes(reproduction: Reproduction) -> list[str]:
     """Return what a reader must know beside the table."""
     free = reproduction.trajectories["pseudo-inverse, free"]
@@ -202,7 +191,7 @@ def notes(reproduction: Reproduction) -> list[str]:
     if free.max_bound_violation > 0:
         lines.append(
             "pseudo-inverse, free, has no joint limits: it leaves the bounds by "
-            f"{np.degrees(free.max_bound_violation):.1f} deg"
+            f"{math.degrees(free.max_bound_violation):.1f} deg"
         )
     lost = [label for label, t in reproduction.trajectories.items() if not t.found]
     if lost:

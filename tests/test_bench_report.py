@@ -57,7 +57,7 @@ def test_a_summary_takes_the_best_of_those_found_and_the_worst_violation_of_all(
         | dict.fromkeys(("objective", "mean_index", "max_bound_violation", "timing.wall_s")),
     ]
     (summary,) = stats.summaries(rows)["t", ""]
-    assert (summary.found, summary.runs) == (2, 4)
+    assert (summary.found, summary.statuses.total()) == (2, 4)
     assert summary.figures["objective, best found"] == 1.0
     assert summary.figures["clearance [m]"] == -0.1
     assert summary.figures["mean index, best"] == 0.5

@@ -193,4 +193,4 @@ def test_the_suites_that_ship_are_right(name, runs):
             pytest.skip("needs the extra `robots`")
     shipped = Suite.load(urdf_folder() / "suites" / f"{name}.yaml")
     assert len(shipped.runs) == runs
-    assert shipped.limitations
+    assert shipped.spec.limitations

@@ -160,9 +160,9 @@ def _csv(trajectory: Trajectory) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(["point", "arc_length", *trajectory.joints, "index"])
-    columns = zip(trajectory.arc_length, trajectory.q, trajectory.index, strict=True)
-    for i, (s, q, c) in enumerate(columns, 1):
-        writer.writerow([i, *(repr(float(x)) for x in (s, *q, c))])
+    t = trajectory
+    for i, row in enumerate(np.column_stack([t.arc_length, t.q, t.index]).tolist(), 1):
+        writer.writerow([i, *row])
     return text.getvalue()
 
 

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar, cast
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
+from pydantic_core import from_json, to_json
 
 from dualarm_pin.answer.evidence import CONDITION, Bound, Count, Evidence, LocalCheck, Number
 from dualarm_pin.answer.notes import NOTES
@@ -76,7 +77,9 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
             ],
         },
     }
-    return {key: _plain(value) for key, value in content.items()}
+    text = to_json(content, inf_nan_mode="null", fallback=lambda array: array.tolist())
+    plain: dict[str, Any] = from_json(text)
+    return plain
 
 
 def _evidence(evidence: Evidence) -> dict[str, Any]:
@@ -236,11 +239,6 @@ class _Row(_Spec):
     value: list[Number]
 
 
-def _read_row(row: _Row) -> RowValues:
-    points = _from_0(row.points)
-    return RowValues(row.name, row.units, row.equality, points, np.array(row.value))
-
-
 class _Points(_Spec):
     """Further figures at each point."""
 
@@ -288,16 +286,3 @@ def _from_1(points: tuple[int, ...]) -> list[int]:
 
 def _from_0(points: tuple[int, ...]) -> tuple[int, ...]:
     return tuple(point - 1 for point in points)
-
-
-def _plain(value: Any) -> Any:
-    """Return JSON values; NaN and infinity do not exist there and become null."""
-    if isinstance(value, Mapping):
-        return {str(k): _plain(v) for k, v in value.items()}
-    if isinstance(value, np.ndarray | list | tuple):
-        return [_plain(v) for v in value]
-    if isinstance(value, np.generic):
-        value = value.item()
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -22,7 +22,6 @@ from dualarm_pin.tolerance import TOLERANCE, Tolerance
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-    from dualarm_pin.rows import Row
     from dualarm_pin.task import Task
 
 
@@ -58,10 +57,10 @@ def verified(
     """
     checked = verify(task, q)
     return Trajectory(
-        q=q,
-        joints=task.cell.joint_names,
-        arc_length=task.path.arc_length,
-        checked=checked,
+        q,
+        task.cell.joint_names,
+        task.path.arc_length,
+        checked,
         method=method,
         solver=solver,
         evidence=evidence or Evidence(),
@@ -97,52 +96,40 @@ def verify(
         raise InputError(f"the joints of point {point} are not finite", field="q")
     everywhere = _distances(task, q) if clearance else None
     arms = _distances(task, q, between_arms=True) if clearance else None
-    points = [Relative(cell, q_i) for q_i in q]
     bounds = (cell.lower, cell.upper)
-    index = np.array(
-        [
-            index_value(task.index, point, u, q_i, bounds)
-            for point, u, q_i in zip(points, path.u, q, strict=True)
-        ]
-    )
+    figures = np.zeros((4, path.h))
+    for i, q_i in enumerate(q):
+        relative = Relative(cell, q_i)
+        placed = relative.T_e1_e2
+        figures[:, i] = (
+            index_value(task.index, relative, path.u[i], q_i, bounds),
+            np.linalg.norm(placed.translation - path.position[i]),
+            _rotation_distance(path.rotation[i], placed.rotation, path.rows[i], path.spin_axis),
+            np.linalg.svd(relative.J_r, compute_uv=False)[-1],
+        )
+    index, position_error, rotation_error, singular_value = figures
     objective = float(np.sum(index)) + coupling(task.problem(), q)[0]
-    position_error = np.array(
-        [
-            np.linalg.norm(point.T_e1_e2.translation - wanted)
-            for point, wanted in zip(points, path.position, strict=True)
-        ]
-    )
-    rotation_error = np.array(
-        [
-            _rotation_distance(R, point.T_e1_e2.rotation, int(rows), path.spin_axis)
-            for R, point, rows in zip(path.rotation, points, path.rows, strict=True)
-        ]
-    )
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
-    rows = tuple(_row_values(task, row, q) for row in task.rows)
+    rows = []
+    for row in task.rows:
+        held = tuple(i for i in range(path.h) if row.holds_at(i))
+        value = np.array([row.at(cell, q[i])[0] for i in held])
+        rows.append(RowValues(row.name, row.units, row.equality, held, value))
     return Checked(
         index=index,
         objective=objective,
         position_error=position_error,
         rotation_error=rotation_error,
         bound_violation=violation,
-        singular_value=np.array(
-            [np.linalg.svd(point.J_r, compute_uv=False)[-1] for point in points]
-        ),
+        singular_value=singular_value,
         clearance=everywhere,
         arm_clearance=arms,
         found=bool(np.all(position_error <= tolerance.position))
         and bool(np.all(rotation_error <= tolerance.rotation))
         and bool(np.all(violation <= tolerance.bound))
         and all(row.violation <= tolerance.row for row in rows),
-        rows=rows,
+        rows=tuple(rows),
     )
-
-
-def _row_values(task: Task, row: Row, q: Array) -> RowValues:
-    points = tuple(i for i in range(task.path.h) if row.holds_at(i))
-    value = np.array([row.at(task.cell, q[i])[0] for i in points])
-    return RowValues(row.name, row.units, row.equality, points, value)
 
 
 def _distances(task: Task, q: Array, *, between_arms: bool = False) -> Distances | None:

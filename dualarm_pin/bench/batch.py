@@ -90,7 +90,7 @@ def run_suite(
                 f"batches need {library}, which is not installed: pip install 'dualarm-pin[bench]'"
             )
     runs = {run.key: run for run in suite.runs}
-    keeper = Keeper(folder, suite.keep, {key: i for i, key in enumerate(runs)})
+    keeper = Keeper(folder, suite.spec.keep, {key: i for i, key in enumerate(runs)})
     with RowLog(folder / LOG) as log:
         missing = [run for key, run in runs.items() if key not in log]
         done_before = len(runs) - len(missing)

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Sequence
-from functools import lru_cache
+from functools import lru_cache, reduce
+from operator import getitem
 from pathlib import Path
 from typing import Any
 
@@ -74,10 +75,7 @@ class Fingerprints:
 
 def _at(cell: Source, keys: Sequence[Key]) -> Any:
     """Return the content of a cell, which stands at `keys` of its file."""
-    data = cell.data
-    for key in keys:
-        data = data[key]
-    return plain(data)
+    return plain(reduce(getitem, keys, cell.data))
 
 
 def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:

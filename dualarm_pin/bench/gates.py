@@ -29,26 +29,21 @@ class Gate:
     """A condition: `column comparison limit` of some rows.
 
     Attributes:
-        text: As the suite says it.
+        spec: As the suite says it: of which rows, and which of them must hold.
         column: Column of the table.
         comparison: `<=`, `>=`, `<`, `>` or `==`.
         limit: The number.
-        of: `every`, `best`, `median` or `mean`.
-        task: Glob of task names.
-        method: Glob of method names.
     """
 
-    text: str
+    spec: GateEntry
     column: str
     comparison: str
     limit: float
-    of: str
-    task: str
-    method: str
 
-    def takes(self, row: Mapping[str, Any]) -> bool:
-        """Tell whether a row is among those that the gate is about."""
-        return fnmatchcase(row["task"], self.task) and fnmatchcase(row["method"], self.method)
+    @property
+    def text(self) -> str:
+        """The condition."""
+        return self.spec.gate.strip()
 
     def failure(self, rows: Iterable[Mapping[str, Any]]) -> str | None:
         """Return why the gate does not hold, or None if it does.
@@ -56,7 +51,13 @@ class Gate:
         A run without the value, such as one that failed, fails the gate `of: every`, `median` or
         `mean`.
         """
-        chosen = [row for row in rows if self.takes(row)]
+        of, falls = self.spec.of, self.comparison.startswith("<")
+        chosen = [
+            row
+            for row in rows
+            if fnmatchcase(row["task"], self.spec.task)
+            and fnmatchcase(row["method"], self.spec.method)
+        ]
         if not chosen:
             return "no run to judge"
         empty = [row for row in chosen if _number(row.get(self.column)) is None]
@@ -64,27 +65,25 @@ class Gate:
         if not values:
             known = {key for row in chosen for key, v in row.items() if _number(v) is not None}
             return f"no run has a {self.column} ({nearest(self.column, sorted(known))})"
-        if empty and self.of != "best":
+        if empty and of != "best":
             first = empty[0]
             return (
                 f"{len(empty)} of {len(chosen)} runs have no {self.column}, such as "
                 f"{first['method']} on {first['task']} with seed {first['seed']} "
                 f"({first['status']})"
             )
-        if self.of == "every":
-            bad = [v for v in values if not self._holds(v)]
+        if of == "every":
+            bad = [v for v in values if not _COMPARISONS[self.comparison](v, self.limit)]
             if not bad:
                 return None
-            worst = max(bad) if self.comparison.startswith("<") else min(bad)
+            worst = max(bad) if falls else min(bad)
             return f"{len(bad)} of {len(values)} runs do not hold it, the worst has {worst:.6g}"
-        if self.of == "best":
-            value = min(values) if self.comparison.startswith("<") else max(values)
+        if of == "best":
+            value = min(values) if falls else max(values)
         else:
-            value = statistics.median(values) if self.of == "median" else statistics.fmean(values)
-        return None if self._holds(value) else f"the {self.of} is {value:.6g}"
-
-    def _holds(self, value: float) -> bool:
-        return _COMPARISONS[self.comparison](value, self.limit)
+            value = statistics.median(values) if of == "median" else statistics.fmean(values)
+        held = _COMPARISONS[self.comparison](value, self.limit)
+        return None if held else f"the {of} is {value:.6g}"
 
 
 def read_gate(spec: GateEntry, tasks: Sequence[str], methods: Sequence[str]) -> Gate:
@@ -109,7 +108,7 @@ def read_gate(spec: GateEntry, tasks: Sequence[str], methods: Sequence[str]) -> 
             raise InputError(
                 f"no {what} of this suite is called {pattern!r}: {nearest(pattern, names)}"
             )
-    return Gate(spec.gate.strip(), column, comparison, limit, spec.of, spec.task, spec.method)
+    return Gate(spec, column, comparison, limit)
 
 
 def _number(value: Any) -> float | None:

@@ -48,9 +48,10 @@ class Keeper:
         if trajectory is None or self.keep == "none":
             return
         if self.keep == "all":
-            self._write(all_folder(self.folder, run), outcome)
+            save_trajectory(all_folder(self.folder, run), trajectory, outcome.task_file)
         if trajectory.found and self._better(run.problem, trajectory.objective, run.key):
-            self._write(best_folder(self.folder, run.problem), outcome)
+            folder = best_folder(self.folder, run.problem)
+            save_trajectory(folder, trajectory, outcome.task_file)
 
     def _better(self, problem: Problem, objective: float, key: str) -> bool:
         score = (objective, self.order[key])
@@ -58,10 +59,6 @@ class Keeper:
             return False
         self._best[problem] = score
         return True
-
-    def _write(self, folder: Path, outcome: RunOutcome) -> None:
-        assert outcome.trajectory is not None  # asked for by the caller
-        save_trajectory(folder, outcome.trajectory, outcome.task_file)
 
 
 def best_folder(folder: Path, problem: Problem) -> Path:

@@ -108,11 +108,6 @@ class BenchRun:
         )
 
     @property
-    def changes(self) -> tuple[str, ...]:
-        """Overrides as `Task.load` takes them."""
-        return changes(self.overrides)
-
-    @property
     def problem(self) -> tuple[str, str]:
         """Task and variant: runs with the same one can be compared."""
         return self.task, variant_name(self.overrides)
@@ -144,17 +139,16 @@ class RunOutcome:
 
 
 def changes(overrides: Mapping[str, Any]) -> tuple[str, ...]:
-    """Return overrides as `key=value` texts; JSON is YAML."""
+    """Return overrides as the `key=value` texts that `Task.load` takes; JSON is YAML."""
     return tuple(f"{key}={json.dumps(value)}" for key, value in overrides.items())
 
 
 def variant_name(overrides: Mapping[str, Any]) -> str:
     """Return overrides as one line, empty for none."""
-    return ", ".join(f"{key}={_short(value)}" for key, value in overrides.items())
-
-
-def _short(value: Any) -> str:
-    return value if isinstance(value, str) else json.dumps(value)
+    return ", ".join(
+        f"{key}={value if isinstance(value, str) else json.dumps(value)}"
+        for key, value in overrides.items()
+    )
 
 
 def digest(value: Any) -> str:

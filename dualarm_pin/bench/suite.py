@@ -16,15 +16,10 @@ from dualarm_pin.bench.run import BenchRun, Method, changes
 from dualarm_pin.errors import InputError, nearest
 from dualarm_pin.files.call import refuse_calls
 from dualarm_pin.files.source import Key, Source, check, read_yaml
-from dualarm_pin.files.suite_spec import (
-    MapEntry,
-    MethodEntry,
-    OverridesSpec,
-    StepsSpec,
-    SuiteSpec,
-)
+from dualarm_pin.files.suite_spec import MethodEntry, OverridesSpec, StepsSpec, SuiteSpec
 from dualarm_pin.planners.methods import EFFORTS, METHODS
 
+_Task = tuple[Path, OverridesSpec, Sequence[Key]]
 _MOST_RUNS = 1_000_000  # more is a slip in a grid, and they are all held in memory
 
 
@@ -35,22 +30,21 @@ class Suite:
     Attributes:
         file: The suite file.
         text: What it says, for the report.
-        title: Heading of the report.
+        spec: The same, read.
         runs: All runs, in the order of the table.
         gates: What must hold.
-        maps: Maps for the report.
-        keep: `best`, `all` or `none`.
-        limitations: Sentences for the report.
     """
 
     file: Path
     text: str
-    title: str
+    spec: SuiteSpec
     runs: tuple[BenchRun, ...]
     gates: tuple[Gate, ...]
-    maps: tuple[MapEntry, ...]
-    keep: str
-    limitations: tuple[str, ...]
+
+    @property
+    def title(self) -> str:
+        """Heading of the report."""
+        return self.spec.title or self.file.stem
 
     @classmethod
     def load(cls, file: str | Path, *, allow_code: bool = False) -> Suite:
@@ -66,10 +60,10 @@ class Suite:
         source = read_yaml(file)
         refuse_calls(source, allow_code=allow_code)
         spec = check(source, SuiteSpec)
-        tasks = list(_tasks(source, spec))
+        tasks = dict(_tasks(source, spec))
         methods = list(_methods(source, spec))
         runs = tuple(_runs(source, spec, tasks, methods, allow_code))
-        names = [t.name for t in tasks], [m.name for m, _ in methods]
+        names = list(tasks), [method.name for method, _ in methods]
         gates = []
         for i, entry in enumerate(spec.gates):
             try:
@@ -81,27 +75,11 @@ class Suite:
                 if axis not in spec.overrides.grid:
                     hint = nearest(axis, spec.overrides.grid)
                     raise source.error(f"{axis!r} is no key of overrides.grid: {hint}", ["maps", i])
-        return cls(
-            file=source.path,
-            text=source.path.read_text(encoding="utf-8-sig"),
-            title=spec.title or source.path.stem,
-            runs=runs,
-            gates=tuple(gates),
-            maps=tuple(spec.maps),
-            keep=spec.keep,
-            limitations=tuple(spec.limitations),
-        )
+        text = source.path.read_text(encoding="utf-8-sig")
+        return cls(source.path, text, spec, runs, tuple(gates))
 
 
-@dataclass(frozen=True)
-class _Task:
-    name: str
-    file: Path
-    overrides: OverridesSpec
-    keys: Sequence[Key]
-
-
-def _tasks(source: Source, spec: SuiteSpec) -> Iterator[_Task]:
+def _tasks(source: Source, spec: SuiteSpec) -> Iterator[tuple[str, _Task]]:
     taken: dict[str, Path] = {}
     for i, entry in enumerate(spec.tasks):
         keys: list[Key] = ["tasks", i]
@@ -120,7 +98,7 @@ def _tasks(source: Source, spec: SuiteSpec) -> Iterator[_Task]:
                     keys,
                 )
             taken[name] = file
-            yield _Task(name, file, entry.overrides, keys)
+            yield name, (file, entry.overrides, keys)
 
 
 def _methods(source: Source, spec: SuiteSpec) -> Iterator[tuple[Method, MethodEntry]]:
@@ -133,19 +111,14 @@ def _methods(source: Source, spec: SuiteSpec) -> Iterator[tuple[Method, MethodEn
                 _known(source, keys, "solver", entry.solver, tuple(METHODS[entry.method].solvers))
         if entry.effort is not None:
             _known(source, keys, "effort", entry.effort, EFFORTS)
-        options = dict(entry.options)
-        options |= {
-            name: getattr(entry, name)
-            for name in ("effort", "solver", "starts")
-            if getattr(entry, name) is not None
-        }
-        words = [entry.method or entry.call or "", entry.solver, entry.effort]
-        words += [f"{entry.starts} starts"] if entry.starts else []
-        name = entry.name or " ".join(word for word in words if word)
+        named = entry.model_dump(include={"effort", "solver", "starts"}, exclude_none=True)
+        starts = f"{entry.starts} starts" if entry.starts else None
+        words = [entry.method or entry.call, entry.solver, entry.effort, starts]
+        name = entry.name or " ".join(filter(None, words))
         if name in taken:
             raise source.error(f"two methods are called {name!r}: give one a `name`", keys)
         taken.add(name)
-        yield Method(name, entry.method, entry.call, options), entry
+        yield Method(name, entry.method, entry.call, entry.options | named), entry
 
 
 def _known(
@@ -159,17 +132,16 @@ def _known(
 def _runs(
     source: Source,
     spec: SuiteSpec,
-    tasks: Sequence[_Task],
+    tasks: Mapping[str, _Task],
     methods: Sequence[tuple[Method, MethodEntry]],
     allow_code: bool,
 ) -> Iterator[BenchRun]:
     prints = Fingerprints()
-    counted = 0
     taken: dict[str, BenchRun] = {}
-    for task in tasks:
-        for overrides in _variants(spec.overrides, task.overrides):
+    for name, (file, own, keys) in tasks.items():
+        for overrides in _variants(spec.overrides, own):
             try:
-                inputs = prints.read(task.file, changes(overrides), allow_code=allow_code)
+                inputs = prints.read(file, changes(overrides), allow_code=allow_code)
             except InputError as error:
                 if error.field is not None and error.field.startswith("--set "):
                     raise source.error(
@@ -177,15 +149,15 @@ def _runs(
                     ) from error
                 raise
             for method, entry in methods:
-                for seed in _seeds(spec.seeds if entry.seeds is None else entry.seeds):
-                    counted += 1
-                    if counted > _MOST_RUNS:
+                seeds = spec.seeds if entry.seeds is None else entry.seeds
+                for seed in range(seeds) if isinstance(seeds, int) else seeds:
+                    if len(taken) == _MOST_RUNS:
                         raise source.error(
                             f"more than {_MOST_RUNS} runs: divide the suite", ["tasks"]
                         )
                     run = BenchRun(
-                        task=task.name,
-                        file=str(task.file.resolve()),
+                        task=name,
+                        file=str(file.resolve()),
                         overrides=overrides,
                         inputs=inputs,
                         method=method,
@@ -197,9 +169,9 @@ def _runs(
                     twin = taken.setdefault(run.key, run)
                     if twin is not run:
                         raise source.error(
-                            f"{method.name!r} on {task.name!r} with seed {seed} is the same run "
+                            f"{method.name!r} on {name!r} with seed {seed} is the same run "
                             f"as {twin.method.name!r} on {twin.task!r}: leave one out",
-                            task.keys,
+                            keys,
                         )
                     yield run
 
@@ -212,12 +184,5 @@ def _variants(suite: OverridesSpec, task: OverridesSpec) -> Iterator[Mapping[str
         for key, steps in grids.items()
     ]
     lists = [entry.variants for entry in (suite, task) if entry.variants]
-    for combination in itertools.product(*axes, *lists):
-        merged: dict[str, Any] = {}
-        for part in combination:
-            merged |= part
-        yield merged
-
-
-def _seeds(given: int | Sequence[int]) -> Sequence[int]:
-    return range(given) if isinstance(given, int) else given
+    for parts in itertools.product(*axes, *lists):
+        yield {key: value for part in parts for key, value in part.items()}

@@ -62,7 +62,7 @@ def bench(
     counts = ", ".join(f"{count} {status}" for status, count in batch.counts.most_common())
     print(f"{len(batch.rows)} runs: {counts}")
     for gate, failure in batch.gates:
-        about = f" ({gate.of} of {gate.method} on {gate.task})"
+        about = f" ({gate.spec.of} of {gate.spec.method} on {gate.spec.task})"
         print(f"gate {'FAILED' if failure else 'holds'}: {gate.text}{about}")
         if failure is not None:
             print(f"dualarm-pin: gate {gate.text!r}: {failure}", file=sys.stderr)

@@ -5,8 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.answer.evidence import Bound
+from dualarm_pin.arrays import Array
 from dualarm_pin.evidence.bundle import highest
 from dualarm_pin.evidence.check import polished
 from dualarm_pin.evidence.piece_search import PieceSearch, SearchOptions, WideSearch
@@ -15,8 +16,6 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.tolerance import TOLERANCE
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -42,21 +41,6 @@ class BoundOptions:
     hopeless: float = 1e-2
     patience: int = 2
     radius: float = 0.5
-
-
-@dataclass(frozen=True)
-class Rechecked:
-    """What is left of a bound after the wide search of every piece.
-
-    Attributes:
-        value: The sum of the pieces' minima.
-        starts: Starts of the wide search of each piece.
-        hits: How many of them ended at the piece's minimum.
-    """
-
-    value: float
-    starts: tuple[int, ...]
-    hits: tuple[int, ...]
 
 
 class Ascent:
@@ -93,8 +77,8 @@ class Ascent:
         self.value = -np.inf
         self.count = 0
 
-    def run(self, progress: Progress, *, may_give_up: bool = False) -> Rechecked | None:
-        """Climb until a re-check finds no piece lower than believed; return what it found.
+    def run(self, progress: Progress, *, may_give_up: bool = False) -> Bound | None:
+        """Climb until a re-check finds no piece lower than believed; return the bound it found.
 
         The re-check of the last round stands, whatever it finds.
 
@@ -105,18 +89,18 @@ class Ascent:
         """
         for piece in self.pieces:
             piece.prepare(self.theta)
-        wides: list[WideSearch] | None = None
-        for number in range(1, self.options.rounds + 1):
-            self.climb(progress)
-            wides = self.recheck(number, to_the_end=number == self.options.rounds)
-            if wides is not None:
-                break
+        number = 1
+        self.climb(progress)
+        while (wides := self.recheck(number, to_the_end=number == self.options.rounds)) is None:
             wide_gap = self.objective - self.value > self._level(self.options.hopeless)
             if may_give_up and number >= self.options.patience and wide_gap:
                 return None
-        assert wides is not None  # the last round's
-        return Rechecked(
+            number += 1
+            self.climb(progress)
+        return Bound(
             value=self.value,
+            objective=self.objective,
+            cuts=self.cuts,
             starts=tuple(wide.starts for wide in wides),
             hits=tuple(wide.hits for wide in wides),
         )
@@ -156,7 +140,7 @@ class Ascent:
         Returns:
             The searches; None if one found its piece lower and the rest was left.
         """
-        wides = [piece.wide(self.theta, number) for piece in self.pieces]
+        wides = [WideSearch(piece, self.theta, number) for piece in self.pieces]
         level = self._level(self.options.closed)
         for wide in wides:  # the first starts tell most
             wide.extend()

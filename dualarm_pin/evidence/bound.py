@@ -61,7 +61,7 @@ def lower_bound(
                 continue
             tried[cuts] = result.value
             if best is None or result.value > best.value:
-                best = Bound(result.value, ascent.objective, cuts, result.starts, result.hits)
+                best = result
             if best.gap < options.enough and min(best.hits) >= options.search.hits:
                 break
         complete = True

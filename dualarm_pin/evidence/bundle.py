@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
+from dualarm_pin.arrays import Array
 
 _MOST_PLANES = 800  # a piece; the linear programme of a step grows with them
 
@@ -74,12 +74,10 @@ def highest(pieces: list[Planes], centre: Array, radius: float) -> tuple[Array, 
     from scipy.sparse import csr_matrix
 
     d, m = len(centre), len(pieces)
-    rows = [
-        np.concatenate([-piece.slope, _column(len(piece.offset), m, j)], axis=1)
-        for j, piece in enumerate(pieces)
-    ]
-    offset = np.concatenate([piece.offset + piece.slope @ centre for piece in pieces])
-    matrix = np.concatenate(rows)
+    offset = np.concatenate([piece.height(centre) for piece in pieces])
+    slope = np.concatenate([piece.slope for piece in pieces])
+    own = np.repeat(np.eye(m), [len(piece.offset) for piece in pieces], axis=0)
+    matrix = np.concatenate([-slope, own], axis=1)
     box = [(-radius, radius)] * d + [(None, None)] * m
     up = np.concatenate([np.zeros(d), -np.ones(m)])
     first = linprog(up, csr_matrix(matrix), offset, bounds=box, method="highs")
@@ -99,10 +97,3 @@ def highest(pieces: list[Planes], centre: Array, radius: float) -> tuple[Array, 
     second = linprog(nearest, csr_matrix(wide), limit, bounds=[*box, (0.0, radius)], method="highs")
     x = first.x if second.status != 0 else second.x
     return centre + x[:d], height
-
-
-def _column(rows: int, width: int, at: int) -> Array:
-    """Return (rows, width) with ones in one column."""
-    block = np.zeros((rows, width))
-    block[:, at] = 1.0
-    return block

@@ -8,9 +8,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualarm_pin.answer.evidence import LocalCheck
+from dualarm_pin.arrays import Array
 from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import Stationarity, stationarity
 from dualarm_pin.problem import Problem
@@ -22,7 +22,6 @@ from dualarm_pin.tolerance import TOLERANCE
 if TYPE_CHECKING:
     from dualarm_pin.engine.solve import Options
 
-Array = NDArray[np.float64]
 
 # Starts a shift, and largest shifts of a posture [rad or m] from wide to what is still one path.
 RETURNS = 20

@@ -8,15 +8,13 @@ negative eigenvalue.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.evidence.kkt import Stationarity, active_rows
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import point_gradient
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
-
-Array = NDArray[np.float64]
 
 _DIFFERENCE = 1e-5  # rad or m; the error of a central difference is then about 1e-10
 
@@ -43,20 +41,16 @@ def curvature_min(problem: Problem, q: Array, first: Stationarity) -> tuple[floa
     band = np.zeros((2 * max(sizes) + 1, total))  # lower: band[r - c, c]
     for i, basis in enumerate(bases):
         block = basis.T @ curved[i]
-        _put(band, begin[i], begin[i], 0.5 * (block + block.T))
+        blocks = [0.5 * (block + block.T)]
         if i + 1 < problem.k:
-            step = _coupling(problem, q, i)
-            _put(band, begin[i + 1], begin[i], bases[i + 1].T @ step @ basis)
+            blocks.append(bases[i + 1].T @ _coupling(problem, q, i) @ basis)
+        for (r, c), value in np.ndenumerate(np.concatenate(blocks)):
+            if r >= c:
+                band[r - c, begin[i] + c] = value
     from scipy.linalg import eigvals_banded
 
     values = eigvals_banded(band[:total], lower=True, select="i", select_range=(0, 0))
     return float(values[0]), total
-
-
-def _put(band: Array, row: int, column: int, block: Array) -> None:
-    for (r, c), value in np.ndenumerate(block):
-        if row + r >= column + c:
-            band[row + r - column - c, column + c] = value
 
 
 def _free_directions(first: Stationarity, i: int) -> Array:

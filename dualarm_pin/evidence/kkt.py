@@ -13,12 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import equalities, inequalities, objective_and_gradient
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
-Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
 
 

@@ -10,14 +10,13 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from dualarm_pin.answer.evidence import LawCount
+from dualarm_pin.arrays import Array
 from dualarm_pin.search.law import Drawn, Law
 from dualarm_pin.solution import distinct, same_path
 from dualarm_pin.tolerance import TOLERANCE
 
-Array = NDArray[np.float64]
 # On the paper's path, 400 simulated runs of each law: right in 87 % (whole path) and 94 to 100 %
 # (anchored); 3 hits alone are right in 18 to 53 %.
 LEAST_STARTS = 300

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import InitVar, dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.evidence.bundle import Planes
 from dualarm_pin.evidence.check import near
 from dualarm_pin.evidence.pieces import PathPiece
@@ -19,8 +19,6 @@ from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.engine.solve import Options
-
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -47,22 +45,19 @@ class SearchOptions:
     hits: int = 3
 
 
+@dataclass(eq=False)
 class PieceSearch:
     """One piece, the paths known of it, and their planes."""
 
-    def __init__(
-        self,
-        piece: PathPiece,
-        incumbent: Array,
-        cuts: int,
-        seed: tuple[int, ...],
-        options: SearchOptions,
-        jobs: int | None,
-    ) -> None:
-        self.piece, self.cuts, self.options, self.jobs = piece, cuts, options, jobs
-        self.seed = seed
-        self.planes = self._plane(incumbent)
-        self.pool = self._plane(incumbent)
+    piece: PathPiece
+    incumbent: InitVar[Array]
+    cuts: int
+    seed: tuple[int, ...]
+    options: SearchOptions
+    jobs: int | None
+
+    def __post_init__(self, incumbent: Array) -> None:
+        self.planes, self.pool = self._plane(incumbent), self._plane(incumbent)
 
     def add_path(self, q: Array) -> None:
         """Add one path (points, n) of the piece, known to be feasible."""
@@ -84,10 +79,6 @@ class PieceSearch:
             drawn = postures(problem, self.options.cheap, self.random(1, number))
             self.run(problem, flat, drawn)
         return self.planes.lowest(flat)
-
-    def wide(self, theta: Array, number: int) -> WideSearch:
-        """Begin to search the piece at theta (cuts, n) anew; `number` gives it its own starts."""
-        return WideSearch(self, theta, number)
 
     def pointwise(self, problem: Problem, number: int) -> Array:
         """Return starts (s, points, n): minima of the first, middle and last point alone."""
@@ -139,7 +130,12 @@ class PieceSearch:
 
 
 class WideSearch:
-    """A search of one piece at one theta from starts that owe nothing to the cheap searches.
+    """A search of one piece at theta (cuts, n) whose starts owe nothing to the cheap searches.
+
+    Args:
+        search: The piece.
+        theta: The multipliers.
+        number: Of the search; each has starts of its own.
 
     Attributes:
         believed: The lowest value that the known paths lead to.

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.tolerance import TOLERANCE
 
-Array = NDArray[np.float64]
 Cuts = tuple[int, ...]
 
 _UNCUT = 3  # paths of no more points are left whole

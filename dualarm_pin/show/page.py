@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import html
 import importlib.util
+import re
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
@@ -12,16 +13,7 @@ from dualarm_pin.errors import MissingFileError
 from dualarm_pin.show.packing import squeeze
 
 _WEB = Path(__file__).with_name("web")
-_PLAYER = (
-    "core.js",
-    "robot.js",
-    "marks.js",
-    "view.js",
-    "stage.js",
-    "chart.js",
-    "player.js",
-    "panel.js",
-)
+_PLAYER = [f"{part}.js" for part in "core robot marks view stage chart player panel".split()]
 
 
 def render_page(
@@ -54,14 +46,9 @@ def render_page(
         "script": "\n".join(_read(name) for name in (*_PLAYER, *scripts, "start.js")),
         "data": squeeze(data),
     }
-    page = _read("page.html")
     # One pass from left to right: what is put in is never searched for places again.
-    pieces = page.split("{{")
-    filled = [pieces[0]]
-    for piece in pieces[1:]:
-        name, rest = piece.split("}}", 1)
-        filled += [parts[name], rest]
-    return "".join(filled).encode("utf-8")
+    page = re.sub("{{(.*?)}}", lambda place: parts[place[1]], _read("page.html"))
+    return page.encode("utf-8")
 
 
 def render_text_page(title: str, content: str, *, styles: Sequence[str] = ()) -> bytes:

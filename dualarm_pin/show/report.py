@@ -34,13 +34,11 @@ def report_page(
     for label, (task, trajectory) in results.items():
         checked = trajectory.checked
         run = scene.add(label, task, trajectory)
-        for name, distances in (
-            ("clearance", checked.clearance),
-            ("between_arms", checked.arm_clearance),
-        ):
-            run[name] = None if distances is None else scene.blob.add(distances.distance)
+        near, arms = checked.clearance, checked.arm_clearance
         unknown = np.isnan(checked.singular_value).all()
         run |= {
+            "clearance": None if near is None else scene.blob.add(near.distance),
+            "between_arms": None if arms is None else scene.blob.add(arms.distance),
             "singular_value": None if unknown else scene.blob.add(checked.singular_value),
             "quantity": f"index: {task.index.name}",
             "units": units_of(task),

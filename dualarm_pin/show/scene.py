@@ -99,12 +99,7 @@ class Scene:
     def _cell(self, cell: Cell) -> dict[str, Any]:
         model = cell.model
         frames = [f for f in model.frames if f.type == pin.FrameType.BODY]
-        bodies = [
-            body
-            for kind, geometry in (("visual", cell.visual), ("collision", cell.collision))
-            for item in geometry.geometryObjects
-            if (body := self._body(item, kind)) is not None
-        ]
+        e1, e2 = model.frames[cell.e1], model.frames[cell.e2]
         return {
             "name": cell.name,
             "columns": [
@@ -113,18 +108,16 @@ class Scene:
             ],
             "joints": _joints(cell),
             "frames": [_placed(f.name, f.parentJoint, f.placement) for f in frames],
-            "e1": _placed("e1", model.frames[cell.e1].parentJoint, model.frames[cell.e1].placement),
-            "e2": _placed("e2", model.frames[cell.e2].parentJoint, model.frames[cell.e2].placement),
-            "bodies": bodies,
+            "e1": _placed("e1", e1.parentJoint, e1.placement),
+            "e2": _placed("e2", e2.parentJoint, e2.placement),
+            "bodies": [
+                _placed(item.name, item.parentJoint, item.placement)
+                | {"mesh": mesh, "kind": kind, "colour": _colour(item)}
+                for kind, geometry in (("visual", cell.visual), ("collision", cell.collision))
+                for item in geometry.geometryObjects
+                if (mesh := self._mesh(item, kind)) is not None
+            ],
         }
-
-    def _body(self, item: pin.GeometryObject, kind: str) -> dict[str, Any] | None:
-        mesh = self._mesh(item, kind)
-        if mesh is None:
-            return None
-        colour = item.meshColor if item.overrideMaterial else _PLAIN
-        placed = _placed(item.name, item.parentJoint, item.placement)
-        return placed | {"mesh": mesh, "kind": kind, "colour": [round(float(c), 4) for c in colour]}
 
     def _mesh(self, item: pin.GeometryObject, kind: str) -> int | None:
         key: tuple[object, ...] = (kind, item.meshPath, *map(float, item.meshScale))
@@ -169,10 +162,9 @@ def _joints(cell: Cell) -> list[dict[str, Any]]:
 
 
 def _placed(name: str, joint: int, placement: pin.SE3) -> dict[str, Any]:
-    quaternion = pin.Quaternion(placement.rotation).coeffs()  # x, y, z, w
-    return {
-        "name": name,
-        "joint": int(joint),
-        "p": placement.translation.tolist(),
-        "r": quaternion.tolist(),
-    }
+    p, r = np.split(pin.SE3ToXYZQUAT(placement), [3])  # quaternion x, y, z, w
+    return {"name": name, "joint": int(joint), "p": p.tolist(), "r": r.tolist()}
+
+
+def _colour(item: pin.GeometryObject) -> list[float]:
+    return [round(float(c), 4) for c in (item.meshColor if item.overrideMaterial else _PLAIN)]

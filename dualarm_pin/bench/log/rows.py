@@ -11,7 +11,6 @@ import json
 import os
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
 
 from dualarm_pin.bench.columns import Row
 from dualarm_pin.errors import InputError
@@ -49,12 +48,7 @@ class RowLog:
     def __enter__(self) -> RowLog:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *error: object) -> None:
         os.close(self._file)
 
     def __contains__(self, key: str) -> bool:

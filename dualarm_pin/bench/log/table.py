@@ -65,12 +65,9 @@ def _chunks(rows: Iterable[Row]) -> Iterator[list[Row]]:
 def _kind(value: Any) -> str:
     if value is None:
         return "null"
-    if isinstance(value, bool):
-        return "bool"
-    if isinstance(value, int):
-        return "int"
-    if isinstance(value, float):
-        return "float"
+    for kind in (bool, int, float):  # in this order: a bool is an int too
+        if isinstance(value, kind):
+            return kind.__name__
     if isinstance(value, list):
         if all(x is None or isinstance(x, int | float) for x in value):
             return "floats"
@@ -95,8 +92,4 @@ def _converted(value: Any, kind: str) -> Any:
 
 
 def _cell(value: Any) -> Any:
-    if value is None:
-        return ""
-    if isinstance(value, list | bool):
-        return json.dumps(value)
-    return repr(value) if isinstance(value, float) else value
+    return json.dumps(value) if isinstance(value, list | bool) else value

@@ -5,7 +5,6 @@ from __future__ import annotations
 import queue
 import threading
 from collections.abc import Callable, Sequence
-from types import TracebackType
 
 from dualarm_pin.bench.kept_trajectories import Keeper
 from dualarm_pin.bench.log.rows import RowLog
@@ -37,15 +36,10 @@ class Writer:
         self._thread.start()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, kind: object, *error: object) -> None:
         self._waiting.put(None)
         self._thread.join()
-        if self._error is not None and error is None:
+        if self._error is not None and kind is None:
             raise self._error
 
     def put(self, ended: Sequence[Ended]) -> None:

@@ -20,18 +20,13 @@ def gates_table(gates: Sequence[tuple[Gate, str | None]]) -> str:
         return ""
     lines = []
     for gate, failure in gates:
-        verdict = (
-            '<td class="words holds">holds</td>'
-            if failure is None
-            else f'<td class="words fails">fails: {escape(failure)}</td>'
-        )
+        spec, verdict = gate.spec, f"fails: {failure}" if failure else "holds"
         lines.append(
-            f'<tr><th>{escape(gate.text)}</th><td class="words">{gate.of}</td>'
-            f'<td class="words">{escape(gate.method)}</td><td class="words">{escape(gate.task)}'
-            f"</td>{verdict}</tr>"
+            f"<tr><th>{escape(gate.text)}</th>{_words(spec.of)}{_words(spec.method)}"
+            f"{_words(spec.task)}{_words(verdict, f' {verdict[:5]}')}</tr>"
         )
-    head = _head(["gate", "of", "method", "task", "verdict"], words=5)
-    return f"<h2>Gates</h2>{_table(head, lines)}"
+    table = _table(["gate", "of", "method", "task", "verdict"], lines, words=5)
+    return f"<h2>Gates</h2>{table}"
 
 
 def overview_table(rows: Sequence[Mapping[str, Any]], methods: Sequence[str]) -> str:
@@ -49,20 +44,18 @@ def overview_table(rows: Sequence[Mapping[str, Any]], methods: Sequence[str]) ->
         lines.append(
             f"<tr><th>{escape(method)}</th>{_share(found, len(own))}"
             f"{_number(None if excess is None else excess - 1.0, '.2%')}"
-            f"{_violation(violation)}"
+            f"{_number(violation, '.2g', 'bad' if violation > TOLERANCE.bound else '')}"
             f"{_number(stats.shifted_geometric_mean(times.get(method, [])), '.3g')}"
-            f'<td class="words">{escape(reasons)}</td></tr>'
+            f"{_words(reasons)}</tr>"
         )
-    head = _head(
-        [
-            "method",
-            "found",
-            "objective above best, geometric mean of those found",
-            "largest bound violation of all [rad or m]",
-            f"time, shifted geometric mean (shift {stats.SHIFT:g} s) [s]",
-            "ended otherwise",
-        ]
-    )
+    head = [
+        "method",
+        "found",
+        "objective above best, geometric mean of those found",
+        "largest bound violation of all [rad or m]",
+        f"time, shifted geometric mean (shift {stats.SHIFT:g} s) [s]",
+        "ended otherwise",
+    ]
     return _table(head, lines) + (
         '<p class="quiet">A run that found nothing counts with its time limit in the mean time.</p>'
     )
@@ -78,13 +71,13 @@ def problem_table(group: Sequence[Summary]) -> str:
             near = TOLERANCE.same_objective * max(1.0, abs(min(values)))
             least[shown.heading] = min(values) + near
     lines = [
-        f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.runs)}"
+        f"<tr><th>{escape(s.method)}</th>{_share(s.found, s.statuses.total())}"
         f"{''.join(_figure(s, shown, least.get(shown.heading)) for shown in looks)}"
-        f'<td class="words">{_evidence(s)}</td></tr>'
+        f"{_words(_evidence(s))}</tr>"
         for s in group
     ]
     headings = [shown.heading for shown in looks]
-    return _table(_head(["method", "found", *headings, "evidence of the best"]), lines)
+    return _table(["method", "found", *headings, "evidence of the best"], lines)
 
 
 def _figure(s: Summary, shown: Shown, least: float | None) -> str:
@@ -101,20 +94,24 @@ def _evidence(s: Summary) -> str:
     if s.gap is not None:
         text += f", gap {s.gap:.2%}"
     odd = [f"{n} {status.replace('_', ' ')}" for status, n in s.statuses.items() if status != "ok"]
-    return escape("; ".join(filter(None, [text, *odd])))
+    return "; ".join(filter(None, [text, *odd]))
 
 
-def _table(head: str, lines: Sequence[str]) -> str:
-    return f'<div class="scroll"><table>{head}<tbody>{"".join(lines)}</tbody></table></div>'
-
-
-def _head(names: Sequence[str], words: int = 1) -> str:
-    cells = [
+def _table(names: Sequence[str], lines: Sequence[str], words: int = 1) -> str:
+    """Return a table; its first columns, as many as `words`, and the last hold text."""
+    head = "".join(
         f'<th scope="col"{" class=words" if i < words or i == len(names) - 1 else ""}>'
         f"{escape(name)}</th>"
         for i, name in enumerate(names)
-    ]
-    return f"<thead><tr>{''.join(cells)}</tr></thead>"
+    )
+    return (
+        f'<div class="scroll"><table><thead><tr>{head}</tr></thead>'
+        f"<tbody>{''.join(lines)}</tbody></table></div>"
+    )
+
+
+def _words(text: str, mark: str = "") -> str:
+    return f'<td class="words{mark}">{escape(text)}</td>'
 
 
 def _number(value: float | None, form: str, kind: str = "") -> str:
@@ -127,8 +124,3 @@ def _number(value: float | None, form: str, kind: str = "") -> str:
 def _share(found: int, runs: int) -> str:
     mark = "" if found == runs else ' class="bad"'
     return f"<td{mark}>{found} of {runs}</td>"
-
-
-def _violation(value: float | None) -> str:
-    bad = value is not None and value > TOLERANCE.bound
-    return _number(value, ".2g", "bad" if bad else "")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from html import escape
 from typing import TYPE_CHECKING
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
     from dualarm_pin.bench.suite import Suite
 
 MOST_SCENES = 16  # tasks in the 3D view; meshes are stored once a cell
+_CODE = re.compile("`([^`]*)`")
 _MOST_TABLES = 30  # variants whose tables stand open; the rest is in the table files
 _LIMITATIONS = (
     "An objective is comparable within a task and variant alone; sums over tasks use ratios.",
@@ -57,7 +59,7 @@ def write_report(suite: Suite, batch: BatchResult, command: str) -> None:
         f"<h1>{escape(suite.title)}</h1>",
         _headline(batch, groups, methods),
         gates_table(batch.gates),
-        _maps(suite.maps, batch.rows),
+        _maps(suite.spec.maps, batch.rows),
         "<h2>Methods over all tasks</h2>",
         overview_table(batch.rows, methods),
         _profiles(batch.rows),
@@ -68,12 +70,12 @@ def write_report(suite: Suite, batch: BatchResult, command: str) -> None:
         provenance(suite, batch, command),
         "</main>",
     ]
-    title = f"{suite.title}: benchmark"
-    content = "\n".join(parts)
-    if scene is None:
-        page = render_text_page(title, content, styles=("bench.css",))
-    else:
-        page = render_page(title, scene.pack(), content=content, styles=("bench.css",))
+    title, content, styles = f"{suite.title}: benchmark", "\n".join(parts), ("bench.css",)
+    page = (
+        render_page(title, scene.pack(), content=content, styles=styles)
+        if shown
+        else render_text_page(title, content, styles=styles)
+    )
     write_bytes(batch.folder / "report.html", page)
 
 
@@ -162,7 +164,7 @@ def _problems(groups: dict[Problem, list[Summary]]) -> str:
     return "".join(parts)
 
 
-def _scene(batch: BatchResult, allow_code: bool) -> tuple[Scene | None, list[str], int]:
+def _scene(batch: BatchResult, allow_code: bool) -> tuple[Scene, list[str], int]:
     """Return the best trajectory of each task as one scene, their labels, and how many are out."""
     from dualarm_pin.answer.folder import load_result
 
@@ -181,7 +183,7 @@ def _scene(batch: BatchResult, allow_code: bool) -> tuple[Scene | None, list[str
         except DualArmError:  # not kept, or its robots are gone: the tables stand without it
             continue
         labels.append(label)
-    return (scene if labels else None), labels, len(best) - len(labels)
+    return scene, labels, len(best) - len(labels)
 
 
 def _order(row: Row, other: Row) -> tuple[bool, float, float]:
@@ -211,13 +213,6 @@ def _stage(labels: Sequence[str], left_out: int) -> str:
 
 
 def _limitations(suite: Suite) -> str:
-    items = "".join(f"<li>{_code(text)}</li>" for text in (*suite.limitations, *_LIMITATIONS))
+    texts = (escape(text) for text in (*suite.spec.limitations, *_LIMITATIONS))
+    items = "".join("<li>" + _CODE.sub(r"<code>\1</code>", text) + "</li>" for text in texts)
     return f"<h2>Limitations</h2><ul>{items}</ul>"
-
-
-def _code(text: str) -> str:
-    """Escape a sentence; words in backticks become code."""
-    pieces = escape(text).split("`")
-    if len(pieces) % 2 == 0:
-        return escape(text)
-    return "".join(f"<code>{p}</code>" if i % 2 else p for i, p in enumerate(pieces))

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 def provenance(suite: Suite, batch: BatchResult, command: str) -> str:
     """Return the sections `Repeat it` and `Runs without an answer`."""
-    return "".join([_unanswered(batch), _repeat(suite, batch, command)])
+    return _unanswered(batch) + _repeat(suite, batch, command)
 
 
 def _unanswered(batch: BatchResult) -> str:

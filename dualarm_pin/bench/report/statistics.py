@@ -7,6 +7,7 @@ import statistics
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any
 
 from dualarm_pin.bench import columns
@@ -23,7 +24,6 @@ class Summary:
 
     Attributes:
         method: Name of the method.
-        runs: How many there are.
         found: How many were verified.
         statuses: How many ended in which way.
         figures: Value of every shown column by its heading, None where there is none.
@@ -32,7 +32,6 @@ class Summary:
     """
 
     method: str
-    runs: int
     found: int
     statuses: Counter[str]
     figures: Mapping[str, float | None]
@@ -64,7 +63,6 @@ def _summary(method: str, runs: Sequence[Row]) -> Summary:
     best = min(valued, key=lambda row: float(row["objective"]), default=None)
     return Summary(
         method=method,
-        runs=len(runs),
         found=len(found),
         statuses=Counter(row["status"] for row in runs),
         figures={
@@ -101,48 +99,49 @@ def shifted_geometric_mean(values: Sequence[float], shift: float = SHIFT) -> flo
 def times(rows: Iterable[Row]) -> dict[str, list[float]]:
     """Return the wall times by method; a run that found nothing counts with its time limit."""
     return _by_method(
-        rows, lambda row: _value(row, "timing.wall_s") if row["found"] else row["time_limit"]
+        (row, _value(row, "timing.wall_s") if row["found"] else row["time_limit"]) for row in rows
     )
 
 
-def excesses(rows: Sequence[Row]) -> dict[str, list[float]]:
+def excesses(rows: Iterable[Row]) -> dict[str, list[float]]:
     """Return how far each objective is above the best of its problem, by method.
 
     1 + (objective - best) / |best|, over all methods and seeds; infinite for a run that found
     nothing, so that a low objective off the path or outside the bounds counts for nothing.
     """
-    best: dict[Problem, float] = {}
-    for row in rows:
-        if row["found"] and _value(row, "objective") is not None:
-            problem = (row["task"], row["variant"])
-            best[problem] = min(best.get(problem, math.inf), row["objective"])
 
-    def excess(row: Row) -> float:
-        value = _value(row, "objective")
-        if not row["found"] or value is None:
-            return math.inf
-        least = best[row["task"], row["variant"]]
-        return 1.0 + (value - least) / max(abs(least), 1e-12)
+    def excess(value: float, best: float) -> float:
+        return 1.0 + (value - best) / max(abs(best), 1e-12)
 
-    return _by_method(rows, excess)
+    return _compared(rows, "objective", ("task", "variant"), excess)
 
 
-def time_ratios(rows: Sequence[Row]) -> dict[str, list[float]]:
+def time_ratios(rows: Iterable[Row]) -> dict[str, list[float]]:
     """Return wall times over the fastest of the same problem and seed, by method."""
-    fastest: dict[tuple[str, str, int], float] = {}
-    for row in rows:
-        value = _value(row, "timing.wall_s")
-        if row["found"] and value is not None:
-            place = (row["task"], row["variant"], row["seed"])
-            fastest[place] = min(fastest.get(place, math.inf), max(value, 1e-6))
 
-    def ratio(row: Row) -> float:
-        value = _value(row, "timing.wall_s")
-        if not row["found"] or value is None:
-            return math.inf
-        return max(value, 1e-6) / fastest[row["task"], row["variant"], row["seed"]]
+    def ratio(value: float, fastest: float) -> float:
+        return max(value, 1e-6) / max(fastest, 1e-6)
 
-    return _by_method(rows, ratio)
+    return _compared(rows, "timing.wall_s", ("task", "variant", "seed"), ratio)
+
+
+def _compared(
+    rows: Iterable[Row],
+    column: str,
+    place: Sequence[str],
+    compare: Callable[[float, float], float],
+) -> dict[str, list[float]]:
+    """Compare each run with the least that was found at its place; infinite if it found nothing."""
+    least: dict[Any, float] = {}
+    at = itemgetter(*place)
+    valued = [(row, _value(row, column) if row["found"] else None) for row in rows]
+    for row, value in valued:
+        if value is not None:
+            least[at(row)] = min(least.get(at(row), math.inf), value)
+    return _by_method(
+        (row, math.inf if value is None else compare(value, least[at(row)]))
+        for row, value in valued
+    )
 
 
 def profile(ratios: Sequence[float]) -> list[tuple[float, float]]:
@@ -151,12 +150,9 @@ def profile(ratios: Sequence[float]) -> list[tuple[float, float]]:
     return [(ratio, (i + 1) / len(ratios)) for i, ratio in enumerate(finite)]
 
 
-def _by_method(
-    rows: Iterable[Row], figure: Callable[[Row], float | None]
-) -> dict[str, list[float]]:
+def _by_method(figures: Iterable[tuple[Row, float | None]]) -> dict[str, list[float]]:
     found: dict[str, list[float]] = {}
-    for row in rows:
-        value = figure(row)
+    for row, value in figures:
         if value is not None:
             found.setdefault(row["method"], []).append(value)
     return found

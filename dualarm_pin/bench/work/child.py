@@ -22,7 +22,7 @@ def main(handle: int) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the parent
     _die_with_parent()
     _hush()
-    from dualarm_pin.bench.work.one_run import execute, failed, prepare
+    from dualarm_pin.bench.work.one_run import perform
 
     with Connection(handle) as connection:
         while True:
@@ -30,13 +30,7 @@ def main(handle: int) -> None:
                 run, keep = connection.recv()
             except EOFError:
                 return
-            try:
-                task, planner = prepare(run)
-            except Exception as error:
-                connection.send(failed(error))
-                continue
-            connection.send("loaded")
-            connection.send(execute(run, task, planner, keep))
+            connection.send(perform(run, keep, lambda: connection.send("loaded")))
 
 
 def _die_with_parent() -> None:

@@ -29,6 +29,8 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
     import dask
     import distributed as dd
 
+    from dualarm_pin.search.workers import available_processors
+
     settings = {
         "distributed.scheduler.allowed-failures": DEATHS - 1,
         "distributed.comm.timeouts.connect": CONNECT,
@@ -43,7 +45,7 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
             )
             cluster = stack.enter_context(
                 distributed.LocalCluster(
-                    n_workers=jobs or _processors(),
+                    n_workers=jobs or available_processors(),
                     threads_per_worker=1,
                     processes=True,
                     host="127.0.0.1",
@@ -52,7 +54,7 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
                     memory_limit=0,  # the runs are in processes of their own
                     local_directory=scratch,
                     silence_logs=logging.CRITICAL,
-                    preload=["dualarm_pin.bench.work.ignore_interrupt"],
+                    preload=["dualarm_pin.bench.work.runner"],
                 )
             )
             yield stack.enter_context(distributed.Client(cluster, set_as_default=False))
@@ -63,9 +65,8 @@ def workers(jobs: int | None, address: str | None) -> Iterator[Any]:
                 distributed.Client(address, timeout=CONNECT, set_as_default=False)
             )
         except (OSError, TimeoutError, ValueError) as error:
-            raise InputError(
-                f"no scheduler answers at {address!r}: start one with `dask scheduler`",
-                field="--cluster",
+            raise _refused(
+                f"no scheduler answers at {address!r}: start one with `dask scheduler`"
             ) from error
         _probe(client, address)
         yield client
@@ -76,33 +77,28 @@ def _probe(client: Any, address: str) -> None:
     try:
         client.wait_for_workers(1, timeout=CONNECT)
     except TimeoutError as error:
-        raise InputError(
-            f"the scheduler at {address!r} has no worker: start some with `dask worker {address}`",
-            field="--cluster",
+        raise _refused(
+            f"the scheduler at {address!r} has no worker: start some with `dask worker {address}`"
         ) from error
     try:
         found = client.run(_version)
     except Exception as error:
-        raise InputError(
-            f"a worker of {address!r} cannot import dualarm_pin: install it there ({error})",
-            field="--cluster",
+        raise _refused(
+            f"a worker of {address!r} cannot import dualarm_pin: install it there ({error})"
         ) from error
     for worker, version in found.items():
         if version != __version__:
-            raise InputError(
+            raise _refused(
                 f"worker {worker} has dualarm-pin {version}, this is {__version__}: install the "
-                "same version everywhere",
-                field="--cluster",
+                "same version everywhere"
             )
+
+
+def _refused(message: str) -> InputError:
+    return InputError(message, field="--cluster")
 
 
 def _version() -> str:
     from dualarm_pin import __version__ as version
 
     return version
-
-
-def _processors() -> int:
-    from dualarm_pin.search.workers import available_processors
-
-    return available_processors()

@@ -47,11 +47,14 @@ def run_on_workers(
     suspects: list[BenchRun] = []
     ended: queue.SimpleQueue[Any] = queue.SimpleQueue()
 
+    def submit(run: BenchRun, mark: str) -> Any:
+        future = client.submit(run_watched, run, keep, key=f"{mark}-{run.key}", pure=False)
+        future.add_done_callback(ended.put)
+        return future
+
     def send(count: int) -> None:
         for run in itertools.islice(rest, max(count, 0)):
-            future = client.submit(run_watched, run, keep, key=f"run-{run.key}", pure=False)
-            flying[future] = run
-            future.add_done_callback(ended.put)
+            flying[submit(run, "run")] = run
 
     room, counted = _room(client), time.monotonic()
     send(room)
@@ -71,8 +74,7 @@ def run_on_workers(
         send(room - len(flying))
         yield batch
     for run in suspects:
-        future = client.submit(run_watched, run, keep, key=f"run-alone-{run.key}", pure=False)
-        future.add_done_callback(ended.put)
+        future = submit(run, "run-alone")
         _next(ended, client, waiting)
         yield [(run, _outcomes(client, [future])[0] or _KILLER)]
 

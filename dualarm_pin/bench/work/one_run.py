@@ -14,29 +14,49 @@ from dualarm_pin import __version__
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.bench.columns import Answered, machine, of_answer
 from dualarm_pin.bench.fingerprints import file_digest
-from dualarm_pin.bench.run import BenchRun, RunOutcome
+from dualarm_pin.bench.run import BenchRun, RunOutcome, changes
 from dualarm_pin.errors import DualArmError, InputError
 from dualarm_pin.task import Task
 
 Planner = Callable[[], Trajectory]
 
 
-def perform(run: BenchRun, keep: bool = True) -> RunOutcome:
+def perform(
+    run: BenchRun, keep: bool = True, loaded: Callable[[], None] = lambda: None
+) -> RunOutcome:
     """Do a run here and now, without a time limit; never raises for what the run does.
 
     Args:
         run: The run.
         keep: Return the trajectory too.
+        loaded: Called before the planner is, so that a time limit counts its own work alone.
     """
     try:
-        task, planner = prepare(run)
+        task, planner = _prepare(run)
     except Exception as error:
-        return failed(error)
-    return execute(run, task, planner, keep)
+        return _failed(error)
+    loaded()
+    started = datetime.now(UTC)
+    begun = time.perf_counter()
+    try:
+        trajectory = planner()
+        if not isinstance(trajectory, Trajectory):
+            raise TypeError(f"a Trajectory is expected; {run.method.name} returned {trajectory!r}")
+        answered = Answered(task, trajectory, started, time.perf_counter() - begun)
+        figures = of_answer(answered)
+    except Exception as error:
+        return _failed(error)
+    return RunOutcome(
+        status="ok" if trajectory.found else "not_found",
+        reason="" if trajectory.found else trajectory.message or "no solution was found",
+        figures=figures,
+        trajectory=trajectory if keep else None,
+        task_file=_task_file(task) if keep and task.record is not None else None,
+    )
 
 
-def prepare(run: BenchRun) -> tuple[Task, Planner]:
-    """Load what a run needs, so that its time limit counts its own work alone.
+def _prepare(run: BenchRun) -> tuple[Task, Planner]:
+    """Load what a run needs.
 
     Raises:
         InputError: Files changed since the batch began, or the worker has another version.
@@ -58,32 +78,11 @@ def prepare(run: BenchRun) -> tuple[Task, Planner]:
             ) from error
         if not same:
             raise InputError("the file changed since the batch began", file=file)
-    task = _task(run.file, run.changes, run.allow_code)
+    task = _task(run.file, changes(run.overrides), run.allow_code)
     return task, _planner(run, task)
 
 
-def execute(run: BenchRun, task: Task, planner: Planner, keep: bool) -> RunOutcome:
-    """Call the planner of a prepared run; a failure is an outcome."""
-    started = datetime.now(UTC)
-    begun = time.perf_counter()
-    try:
-        trajectory = planner()
-        if not isinstance(trajectory, Trajectory):
-            raise TypeError(f"a Trajectory is expected; {run.method.name} returned {trajectory!r}")
-        answered = Answered(task, trajectory, started, time.perf_counter() - begun)
-        figures = of_answer(answered)
-    except Exception as error:
-        return failed(error)
-    return RunOutcome(
-        status="ok" if trajectory.found else "not_found",
-        reason="" if trajectory.found else trajectory.message or "no solution was found",
-        figures=figures,
-        trajectory=trajectory if keep else None,
-        task_file=_task_file(task) if keep and task.record is not None else None,
-    )
-
-
-def failed(error: Exception) -> RunOutcome:
+def _failed(error: Exception) -> RunOutcome:
     """Return the outcome of a run that raised."""
     text = str(error) or type(error).__name__
     if not isinstance(error, DualArmError):

@@ -29,6 +29,11 @@ _ONE_THREAD = (
 _threads = threading.local()
 
 
+def dask_setup(worker: object) -> None:
+    """Leave Ctrl-C to the parent, which ends workers in order; called by dask in a local one."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
+
+
 def run_watched(run: BenchRun, keep: bool) -> RunOutcome:
     """Do a run in the child process of this thread; what a `dask` worker calls."""
     if not hasattr(_threads, "runner"):
@@ -69,16 +74,9 @@ class Runner:
         self.close()
 
     def _once(self, run: BenchRun, keep: bool) -> RunOutcome:
-        if self._connection is None:
-            self._start()
-        connection = self._connection
-        assert connection is not None  # just started
+        connection = self._connection = self._connection or self._start()
         connection.send((run, keep))
-        stages = (
-            ("loading the task", LOADING),
-            ("the run", run.time_limit),
-        )
-        for stage, seconds in stages:
+        for stage, seconds in (("loading the task", LOADING), ("the run", run.time_limit)):
             if not connection.poll(seconds):
                 self.close()
                 return RunOutcome("timed_out", f"{stage} took longer than {seconds:g} s")
@@ -87,7 +85,7 @@ class Runner:
                 return answer
         raise EOFError  # a child that answers out of turn is as good as dead
 
-    def _start(self) -> None:
+    def _start(self) -> Connection[Any, Any]:
         here, there = Pipe()
         self._errors.seek(0)
         self._errors.truncate()
@@ -99,7 +97,7 @@ class Runner:
             stderr=self._errors,
         )
         there.close()
-        self._connection = here
+        return here
 
     def _autopsy(self) -> str:
         """Return why the child died."""

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
-from dualarm_pin.show.plots.style import COLOURS, DASHES, dress, say
+from dualarm_pin.show.plots.style import COLOURS, DASHES, finish, plot
 
 Along = Literal["point", "arc_length"]
 
@@ -34,17 +34,13 @@ def figure_index(
         units: Its units.
         along: Path point (from 1) or arc length on the horizontal axis.
     """
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    ax = figure.add_subplot()
+    figure, ax = plot(4.0)
     for k, (label, answer) in enumerate(answers.items()):
         mean = answer.mean_index
         draw_curve(ax, k, f"{label} (mean {mean:.3g})", answer, answer.index, along)
         ax.axhline(mean, xmin=0.97, lw=2.5, color=COLOURS[k % 7], solid_capstyle="butt")
-    dress(ax, along)
-    ax.set_ylabel(f"{quantity} [{units}]" if units else quantity)
+    finish(ax, title, f"{quantity} [{units}]" if units else quantity, along)
     ax.set_ylim(bottom=0, top=ax.get_ylim()[1] * 1.08)
-    say(ax, title)
-    ax.legend(frameon=False, fontsize=9, loc="best")
     return figure
 
 
@@ -61,8 +57,7 @@ def figure_clearance(
     Raises:
         InputError: The distances of an answer are not known.
     """
-    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    ax = figure.add_subplot()
+    figure, ax = plot(4.0)
     lowest = 0.0
     for k, (label, answer) in enumerate(answers.items()):
         clearance = answer.checked.clearance
@@ -70,14 +65,11 @@ def figure_clearance(
             raise InputError("its clearance is unknown: geometry is missing", field=label)
         draw_curve(ax, k, label, answer, clearance.distance, along)
         lowest = min(lowest, clearance.least)
-    dress(ax, along)
-    ax.set_ylabel("clearance [m]")
+    finish(ax, title, "clearance [m]", along)
     ax.set_ylim(bottom=lowest * 1.1, top=ax.get_ylim()[1] * 1.08)
     if lowest < 0:
         ax.axhspan(lowest * 1.1, 0, color=COLOURS[1], alpha=0.12, lw=0)
         ax.text(0.01, 0.02, "collision", transform=ax.transAxes, color=COLOURS[1], fontsize=9)
-    say(ax, title)
-    ax.legend(frameon=False, fontsize=9, loc="best")
     return figure
 
 

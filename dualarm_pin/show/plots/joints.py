@@ -12,7 +12,7 @@ from matplotlib.ticker import MaxNLocator
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import ShapeError
-from dualarm_pin.show.plots.style import ALONG, COLOURS, DASHES, FAINT, INK, dress, say
+from dualarm_pin.show.plots.style import ALONG, COLOURS, DASHES, FAINT, INK, dress, finish, plot
 
 
 def figure_joints(cell: Cell, answers: Mapping[str, Trajectory], *, title: str = "") -> Figure:
@@ -53,8 +53,7 @@ def figure_steps(cell: Cell, answers: Mapping[str, Trajectory], *, title: str = 
         ShapeError: An answer has other columns than the cell.
     """
     _check_columns(cell, answers)
-    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
-    ax = figure.add_subplot()
+    figure, ax = plot(3.6)
     turning = [k for k, joint in enumerate(cell.joints) if joint.kind == "revolute"]
     for k, (label, answer) in enumerate(answers.items()):
         step = np.degrees(np.abs(np.diff(answer.q[:, turning], axis=0)).max(axis=1))
@@ -62,11 +61,8 @@ def figure_steps(cell: Cell, answers: Mapping[str, Trajectory], *, title: str = 
             step, np.arange(1, len(step) + 2), lw=2, color=COLOURS[k % 7], ls=DASHES[k % 7],
             label=f"{label} (largest {step.max():.1f}°)", baseline=None,
         )  # fmt: skip
-    dress(ax, "point")
-    ax.set_ylabel("largest joint step [deg]")
+    finish(ax, title, "largest joint step [deg]", "point")
     ax.set_ylim(bottom=0)
-    say(ax, title)
-    ax.legend(frameon=False, fontsize=9)
     return figure
 
 

@@ -36,6 +36,20 @@ def dress(ax: Axes, along: str | None = None) -> None:
             ax.xaxis.set_major_locator(MaxNLocator(integer=True, steps=[1, 2, 3, 5, 6, 10]))
 
 
+def plot(height: float) -> tuple[Figure, Axes]:
+    """Return an empty figure of this height [inch] with one pair of axes."""
+    figure = Figure(figsize=(6.4, height), layout="constrained")
+    return figure, figure.add_subplot()
+
+
+def finish(ax: Axes, title: str, quantity: str, along: str) -> None:
+    """Dress `ax`, whose curves are drawn, and say what it shows."""
+    dress(ax, along)
+    ax.set_ylabel(quantity)
+    say(ax, title)
+    ax.legend(frameon=False, fontsize=9, loc="best")
+
+
 def say(ax: Axes, title: str, note: str = "") -> None:
     """Put a title on the left of `ax` and a note on its right."""
     if title:
