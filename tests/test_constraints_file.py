@@ -6,12 +6,11 @@ import json
 from pathlib import Path
 
 import pytest
-from paper_case import TASK
+from paper_case import TASK, world_pose
 
 from dualarm_pin.answer.folder import load_result
 from dualarm_pin.cli import main
 from dualarm_pin.errors import InputError
-from dualarm_pin.rows.row import world_pose
 from dualarm_pin.task import Task
 
 
@@ -35,7 +34,7 @@ def test_from_the_file_to_the_result_and_back(tmp_path: Path) -> None:
     task, trajectory = load_result(tmp_path)
     assert [row.name for row in task.rows] == ["arm1/tip above 0.6 m"]
     assert trajectory.checked.rows[0].violation <= 1e-6
-    lowest = min(world_pose(task.cell, "arm1/tip", q).translation[2] for q in trajectory.q)
+    lowest = min(world_pose(task, "arm1/tip", q).translation[2] for q in trajectory.q)
     assert lowest == pytest.approx(0.6, abs=1e-6)
 
 

@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from paper_case import world_pose
 
 import dualarm_pin as dp
 
@@ -157,9 +158,7 @@ def test_a_row(mine: Path) -> None:
 
 
 def _tip(task: dp.Task, q: np.ndarray) -> object:
-    from dualarm_pin.rows.row import world_pose
-
-    return world_pose(task.cell, "arm1/tip", q)
+    return world_pose(task, "arm1/tip", q)
 
 
 def test_a_path(mine: Path) -> None:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from engine_cases import BareCell, paper_problem, random_pair, random_problem
 from numpy.typing import NDArray
+from paper_case import world_pose
 
 from dualarm_pin import indices
 from dualarm_pin.engine.solve import evaluate, solve, solve_many
@@ -19,7 +20,6 @@ from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.reference import equalities, inequalities, violation
 from dualarm_pin.relative import Relative
 from dualarm_pin.rows import Row, above, below, half_space
-from dualarm_pin.rows.row import world_pose
 from dualarm_pin.solvers import casadi_ipopt, slsqp
 from dualarm_pin.task import Task
 
@@ -141,7 +141,7 @@ def test_the_best_known_paths_with_the_first_tip_held_up(task: Task, z: float | 
     best = plan_global(replace(task, rows=rows), effort="quick", seed=1)
     assert best.found
     assert best.objective == pytest.approx(BEST[z], abs=2e-4)
-    lowest = min(world_pose(task.cell, "arm1/tip", q).translation[2] for q in best.q)
+    lowest = min(world_pose(task, "arm1/tip", q).translation[2] for q in best.q)
     assert z is None or lowest >= z - 1e-6
 
 

@@ -134,7 +134,7 @@ def solve(
         rows.result()[0],
         start=number,
         wall_s=time.perf_counter() - begun,
-        stationarity=float(rows.values[0, 2]),
+        stationarity=size * float(rows.values[0, 2]),
         multipliers=Multipliers(size * at.y, size * at.lower, size * at.upper, size * at.push),
     )
 
@@ -309,13 +309,11 @@ class _Batch:
 
     def result(self) -> Solutions:
         status = self.codes[:, 0].copy()
-        objective, residual, stationarity = self.problem.size * self.values[:, :3].T
         residual = self.values[:, 1].copy()
-        self.values[:, 2] = stationarity
         feasible = (status != NOT_RUN) & (residual <= _FEASIBLE)
         return Solutions(
             q=self.q,
-            objective=objective,
+            objective=self.problem.size * self.values[:, 0],
             residual=residual,
             feasible=feasible,
             converged=feasible & (status == CONVERGED),

@@ -7,7 +7,7 @@ from typing import Literal
 from dualarm_pin.robot.robot import MOMENTS, Inertial, Shape, Triple
 from dualarm_pin.robot.xml import HUGE, Element
 
-_NONE = (0.0, 0.0, 0.0)
+_NONE = (0.0, 0.0, 0.0)  # what URDF takes where an origin says nothing
 _Kind = Literal["mesh", "box", "cylinder", "sphere", "capsule"]
 # Attributes that give the size. One that is missing is negative, and refused.
 _PRIMITIVES: dict[str, tuple[_Kind, tuple[tuple[str, tuple[float, ...]], ...]]] = {

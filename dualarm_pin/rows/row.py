@@ -15,7 +15,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array
@@ -181,8 +180,3 @@ def turned(R: Array, twist: Array) -> Array:
     turn = np.eye(3) + W + square / 2.0 + cubic / 6.0 + np.dot(square, square) / 24.0
     result: Array = np.dot(turn, R)
     return result
-
-
-def world_pose(cell: Cell, name: str, q: ArrayLike) -> pin.SE3:
-    """Return the pose of a frame in the world at q (n,)."""
-    return relative_motion(cell, 0, frame_id(cell, name, name), q)[0]
