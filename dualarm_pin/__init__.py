@@ -12,6 +12,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from dualarm_pin import clearance as clearance
     from dualarm_pin import indices as indices
     from dualarm_pin import rows as rows
     from dualarm_pin import solvers as solvers
@@ -45,6 +46,7 @@ if TYPE_CHECKING:
 __version__ = "0.1.0"
 
 _MODULES = {
+    "clearance": "clearance",
     "indices": "indices",
     "paths": "path.paths",
     "plots": "show.plots",

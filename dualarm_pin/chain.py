@@ -225,7 +225,7 @@ def _elements(
     model: Any, joint: int, placement: Any, sign: float, to_model: Floats, offset: Floats
 ) -> list[_Element]:
     """Return the elements of one joint: one per variable it follows, or one constant."""
-    kind, axis = _joint_axis(model, joint)
+    kind, axis = joint_axis(model, joint)
     row = model.joints[joint].idx_v
     start = float(offset[row])
     variables = np.flatnonzero(to_model[row])
@@ -241,7 +241,7 @@ def _elements(
     return elements
 
 
-def _joint_axis(model: Any, joint: int) -> tuple[int, Floats]:
+def joint_axis(model: Any, joint: int) -> tuple[int, Floats]:
     """Return kind and unit axis of a joint in its own frame."""
     joint_model = model.joints[joint]
     if joint_model.nv == 1:

@@ -36,6 +36,8 @@ class Tolerance:
         no_length: A vector shorter than this has no direction.
         fixed_joint: Bounds closer than this hold a joint at their middle [rad or m].
         row: Largest violation of a constraint row of a found result, in the unit of the row.
+        clearance: A distance that is asked for may be missed by this much [m]: rows follow flat
+            faces of hulls, and end within it; contact is never accepted.
     """
 
     position: float = 1e-6
@@ -62,6 +64,7 @@ class Tolerance:
     no_length: float = 1e-12
     fixed_joint: float = 1e-9
     row: float = 1e-6
+    clearance: float = 5e-4
 
 
 TOLERANCE = Tolerance()

@@ -71,7 +71,8 @@ WRONG = {
     ),
     "two kinds": (
         "[{above: {frame: arm1/tip, z: 0}, below: {frame: arm1/tip, z: 1}}]",
-        "exactly one row is expected; given above, below; known: above, below, half_space, call",
+        "exactly one row is expected; given above, below; known: above, below, half_space, "
+        "inside, axis_within, joint_range, call",
     ),
     "no height": ("[{above: {frame: arm1/tip}}]", r"constraints\.0\.above\.z: this key is missing"),
     "not a number": (
@@ -85,6 +86,32 @@ WRONG = {
     "no direction": (
         "[{half_space: {frame: arm1/tip, normal: [0, 0, 0], offset: 1}}]",
         r"constraints\.0\.half_space\.normal: the axis has no length",
+    ),
+    "a box upside down": (
+        "[{inside: {frame: arm1/tip, box: {x: [0, 1], z: [0.9, 0.6]}}}]",
+        r"constraints\.0\.inside\.box: z: the least, 0.9 m, must be below the most, 0.6 m",
+    ),
+    "a box without an axis": (
+        "[{inside: {frame: arm1/tip, box: {w: [0, 1]}}}]",
+        r"constraints\.0\.inside\.box.*'x', 'y' or 'z'",
+    ),
+    "an empty box": ("[{inside: {frame: arm1/tip, box: {}}}]", "along x, y or z"),
+    "too narrow an angle": (
+        "[{axis_within: {frame: arm1/tip, axis: [0, 0, 1], of: [0, 0, 1], deg: 0}}]",
+        r"constraints\.0\.axis_within\.deg: an angle from 0.1 to 179.9 deg is expected; given 0",
+    ),
+    "no such joint": (
+        "[{joint_range: {joint: arm1/joint5, deg: [0, 1]}}]",
+        r"constraints\.0\.joint_range\.joint: no joint 'arm1/joint5'.*mean 'arm1/joint_5'",
+    ),
+    "an empty range": (
+        "[{joint_range: {joint: arm1/joint_5, deg: [1, -1]}}]",
+        r"constraints\.0\.joint_range\.deg: the least must be below the most; given \[1, -1\]",
+    ),
+    "no range": ("[{joint_range: {joint: arm1/joint_5}}]", "give one of deg and to"),
+    "no such point, inside the row": (
+        "[{joint_range: {joint: arm1/joint_5, deg: [0, 1], points: [99]}}]",
+        "point 99 does not exist: the path has points 1 to 31",
     ),
     "not a list": ("{above: 1}", "constraints: Input should be a valid list"),
 }

@@ -22,7 +22,7 @@ FLOORS = [
     {"engine"},
     {"problem", "placement"},
     {"reference"},
-    {"rows", "indices"},
+    {"rows", "indices", "clearance"},
     {"chain", "solution"},
     {"cell", "path"},
     {"relative", "meshes"},

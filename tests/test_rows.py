@@ -19,7 +19,7 @@ from dualarm_pin.evidence.kkt import stationarity
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.reference import equalities, inequalities, violation
 from dualarm_pin.relative import Relative
-from dualarm_pin.rows import Row, above, below, half_space
+from dualarm_pin.rows import Row, above, axis_within, below, half_space
 from dualarm_pin.solvers import casadi_ipopt, slsqp
 from dualarm_pin.task import Task
 
@@ -61,6 +61,7 @@ PAIRS = [
 ]
 ROWS = {
     "plane": lambda a, b: half_space(b, [0.3, -0.5, 0.8], 0.1, of=a, point=[0.1, 0.2, -0.3]),
+    "axis": lambda a, b: axis_within(b, (0.3, 0.5, -0.8), (1, 2, 2), 40.0, seen_from=a),
     "own": own,
     "own, by differences": lambda a, b: own(a, b, slope=None),
     "equality": lambda a, b: replace(own(a, b), equality=True),

@@ -20,8 +20,9 @@ from pydantic_core import from_json, to_json
 from dualarm_pin.answer.evidence import CONDITION, Bound, Count, Evidence, LocalCheck, Number
 from dualarm_pin.answer.notes import NOTES
 from dualarm_pin.answer.provenance import Timing
-from dualarm_pin.answer.trajectory import Checked, Distances, Pair, RowValues, Trajectory
+from dualarm_pin.answer.trajectory import Checked, Distances, RowValues, Trajectory
 from dualarm_pin.arrays import Array
+from dualarm_pin.cell.parts import Pair
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance

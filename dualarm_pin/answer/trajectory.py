@@ -15,12 +15,11 @@ import numpy as np
 from dualarm_pin.answer.evidence import Evidence
 from dualarm_pin.answer.provenance import Timing
 from dualarm_pin.arrays import Array, finite
+from dualarm_pin.cell.parts import Pair
 from dualarm_pin.errors import ShapeError
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
-
-Pair = tuple[str, str]
 
 
 @dataclass(frozen=True, eq=False)

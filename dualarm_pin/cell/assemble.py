@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -40,6 +41,16 @@ class CellParts:
     _robots: tuple[PlacedRobot, ...]
     _disabled: Mapping[int, frozenset[frozenset[str]]]
     _package_dirs: tuple[Path, ...]
+
+    @cached_property
+    def body_names(self) -> tuple[str, ...]:
+        """Names of what may collide: links with a collision body, `arm1/<link>`; loads nothing."""
+        return tuple(
+            placed.link(link.name)
+            for placed in self._robots
+            for link in placed.chains.robot.links.values()
+            if link.collisions
+        )
 
 
 def assemble(loader: Loader) -> CellParts:

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import threading
-import weakref
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
@@ -12,22 +10,22 @@ from typing import Any
 
 import numpy as np
 import pinocchio as pin
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import NDArray
 
-from dualarm_pin.cell.assemble import CellParts, assemble
+from dualarm_pin.cell.assemble import assemble
 from dualarm_pin.cell.bodies import CellBodies
-from dualarm_pin.cell.clearance import smallest
+from dualarm_pin.cell.geometry import CellGeometry
 from dualarm_pin.cell.moved import base_moves, moved_model
-from dualarm_pin.cell.parts import ARMS, Clearance, read_only
+from dualarm_pin.cell.parts import ARMS, read_only
 from dualarm_pin.cell.poses import checked_pose
 from dualarm_pin.cell.python_arguments import checked_spec, file_name, placement
 from dualarm_pin.cell.read_robots import Loader
-from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import Key, Source, read_yaml
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class Cell(CellParts):
+class Cell(CellGeometry):
     """Two arms that share one task, loaded and checked.
 
     Every joint off the two chains stands still, so q holds only what a planner moves: the joints
@@ -168,11 +166,6 @@ class Cell(CellParts):
     def __repr__(self) -> str:
         return f"Cell({self.name!r}, {self.n} joints)"
 
-    @property
-    def n(self) -> int:
-        """Number of columns of q."""
-        return len(self.joints)
-
     @cached_property
     def joint_names(self) -> tuple[str, ...]:
         """Names in column order."""
@@ -203,75 +196,6 @@ class Cell(CellParts):
         return tuple(link for placed in self._robots for link in placed.links_without_inertia())
 
     @cached_property
-    def same_order(self) -> bool:
-        """Whether Pinocchio's q is q itself: `joint_map` is the identity, without offset."""
-        nv, n = self.joint_map.shape
-        return nv == n and np.array_equal(self.joint_map, np.eye(n)) and not self.joint_offset.any()
-
-    def model_q(self, q: ArrayLike) -> NDArray[np.float64]:
-        """Return Pinocchio's q (nv,) for q (n,).
-
-        Raises:
-            ShapeError: q does not have n values.
-        """
-        q = np.asarray(q, dtype=float)
-        if q.shape != (self.n,):
-            raise ShapeError(f"q has shape {q.shape}; {self.name} has {self.n} joints: ({self.n},)")
-        return q if self.same_order else self.joint_map @ q + self.joint_offset
-
-    @property
-    def collision(self) -> pin.GeometryModel:
-        """Convex hulls and primitives, with the pairs to check."""
-        return self._bodies.hulls.model
-
-    @property
-    def visual(self) -> pin.GeometryModel:
-        """Bodies for the eye."""
-        return self._bodies.visual.model
-
-    @property
-    def missing_meshes(self) -> tuple[str, ...]:
-        """Collision bodies that could not be loaded, and why; clearance is then unknown."""
-        return self._bodies.hulls.missing
-
-    @property
-    def missing_visuals(self) -> tuple[str, ...]:
-        """Bodies for the eye that could not be loaded, and why."""
-        return self._bodies.visual.missing
-
-    @property
-    def dropped_pairs(self) -> tuple[str, ...]:
-        """Pairs that are not checked because they touch in nearly every posture."""
-        return self._bodies.dropped
-
-    def clearance(
-        self, q: ArrayLike, *, between_arms: bool = False, exact: bool = False
-    ) -> Clearance | None:
-        """Return the smallest distance at q (n,), or None where it is not known.
-
-        It is known if every collision body could be loaded and there is a pair to compare.
-
-        Args:
-            q: Joints (n,) [rad or m].
-            between_arms: Only between the arms, not within one.
-            exact: With the meshes as they are. By default their convex hulls are taken, which
-                never say more than there is and are a hundred times faster.
-
-        Raises:
-            ShapeError: q does not have n values.
-        """
-        q = self.model_q(q)
-        hulls = self._bodies.hulls
-        if hulls.missing:
-            return None
-        meshes = self._bodies.meshes if exact else None
-        return smallest(self.model, hulls, q, _scratch_of(self), between_arms, meshes)
-
-    def data(self) -> pin.Data:
-        """Return scratch data of this thread; whatever it holds is overwritten by the next call."""
-        return _scratch_of(self)["data"]
-
-    @cached_property
     def _bodies(self) -> CellBodies:
         if self._loaded is not None:
             bodies, moves = self._loaded._bodies, base_moves(self._loaded.arms, self.arms)
@@ -284,16 +208,3 @@ class Cell(CellParts):
     def __getstate__(self) -> dict[str, Any]:
         """Leave the bodies behind: a worker loads them when it needs them."""
         return {item.name: getattr(self, item.name) for item in fields(self)}
-
-
-_THREAD = threading.local()
-
-
-def _scratch_of(cell: Cell) -> dict[str, Any]:
-    try:
-        scratch: dict[str, Any] = _THREAD.of[cell]
-    except (AttributeError, KeyError):
-        if not hasattr(_THREAD, "of"):
-            _THREAD.of = weakref.WeakKeyDictionary()
-        scratch = _THREAD.of[cell] = {"data": cell.model.createData()}
-    return scratch

@@ -34,16 +34,87 @@ def smallest(
             pairs are measured again until no other can be nearer. (A mesh is a surface: a part that
             is wholly inside another counts as apart.)
     """
-    name = "arms" if between_arms else "scene"
-    if name not in scratch:
-        scratch[name] = _scene(hulls, between_arms)
-    scene, any_active = scratch[name]
+    scene, any_active = _scene_of(hulls, scratch, between_arms=between_arms)
     if not any_active:
         return None
     nearest = pin.computeDistances(model, scratch["data"], hulls.model, scene, q)
     if meshes is not None:
         return _measured(model, hulls, meshes, scratch, scene)
     return _named(hulls, nearest, scene.distanceResults[nearest].min_distance)
+
+
+def all_distances(
+    model: pin.Model, hulls: Bodies, q: NDArray[np.float64], scratch: Scratch
+) -> NDArray[np.float64]:
+    """Return the distance of every pair (p,) at Pinocchio's q (nv,), meshes as convex hulls."""
+    scene = _scene_of(hulls, scratch, between_arms=False)[0]
+    if len(hulls.model.collisionPairs):  # Pinocchio crashes on none
+        pin.computeDistances(model, scratch["data"], hulls.model, scene, q)
+    return np.array([result.min_distance for result in scene.distanceResults])
+
+
+def measured(
+    model: pin.Model,
+    hulls: Bodies,
+    meshes: Bodies,
+    q: NDArray[np.float64],
+    scratch: Scratch,
+    pair: int,
+) -> float:
+    """Return the distance of one pair at Pinocchio's q (nv,), with the meshes as they are."""
+    scene = _scene_of(hulls, scratch, between_arms=False)[0]
+    pin.updateGeometryPlacements(model, scratch["data"], hulls.model, scene, q)
+    bound = pin.computeDistance(hulls.model, scene, pair).min_distance
+    return _exact(meshes, _placed(model, meshes, scratch), pair, bound)
+
+
+def placed(
+    hulls: Bodies,
+    scratch: Scratch,
+    pair: int,
+    poses: tuple[pin.SE3, pin.SE3],
+    meshes: Bodies | None = None,
+) -> float:
+    """Return the distance of a pair of bodies put anywhere; `meshes` to compare them exactly."""
+    scene = _scene_of(hulls, scratch, between_arms=False)[0]
+    ends = hulls.model.collisionPairs[pair]
+    scene.oMg[ends.first], scene.oMg[ends.second] = poses
+    bound = float(pin.computeDistance(hulls.model, scene, pair).min_distance)
+    if meshes is None:
+        return bound
+    exact = _data_of(meshes, scratch)
+    exact.oMg[ends.first], exact.oMg[ends.second] = poses
+    return _exact(meshes, exact, pair, bound)
+
+
+def _exact(meshes: Bodies, exact: pin.GeometryData, pair: int, bound: float) -> float:
+    """Return the distance of placed meshes; those that meet have no depth: the hulls say it."""
+    distance = float(pin.computeDistance(meshes.model, exact, pair).min_distance)
+    return min(bound, 0.0) if distance <= 0.0 else distance
+
+
+def _placed(model: pin.Model, meshes: Bodies, scratch: Scratch) -> pin.GeometryData:
+    """Return the meshes where the joints of the last computation put them."""
+    exact = _data_of(meshes, scratch)
+    pin.updateGeometryPlacements(model, scratch["data"], meshes.model, exact)
+    return exact
+
+
+def _data_of(meshes: Bodies, scratch: Scratch) -> pin.GeometryData:
+    if "meshes" not in scratch:
+        scratch["meshes"] = meshes.model.createData()
+    exact: pin.GeometryData = scratch["meshes"]
+    return exact
+
+
+def _scene_of(
+    bodies: Bodies, scratch: Scratch, *, between_arms: bool
+) -> tuple[pin.GeometryData, bool]:
+    name = "arms" if between_arms else "scene"
+    if name not in scratch:
+        scratch[name] = _scene(bodies, between_arms)
+    scene: tuple[pin.GeometryData, bool] = scratch[name]
+    return scene
 
 
 def _scene(bodies: Bodies, between_arms: bool) -> tuple[pin.GeometryData, bool]:
@@ -61,10 +132,7 @@ def _scene(bodies: Bodies, between_arms: bool) -> tuple[pin.GeometryData, bool]:
 def _measured(
     model: pin.Model, hulls: Bodies, meshes: Bodies, scratch: Scratch, scene: pin.GeometryData
 ) -> Clearance:
-    if "meshes" not in scratch:
-        scratch["meshes"] = meshes.model.createData()
-    exact = scratch["meshes"]
-    pin.updateGeometryPlacements(model, scratch["data"], meshes.model, exact)
+    exact = _placed(model, meshes, scratch)
     active = np.array(list(scene.activeCollisionPairs), dtype=bool)
     bound = np.array([result.min_distance for result in scene.distanceResults])
     bound[~active] = np.inf
@@ -72,9 +140,7 @@ def _measured(
     for k in np.argsort(bound, kind="stable"):
         if bound[k] >= best:
             break
-        distance = pin.computeDistance(meshes.model, exact, int(k)).min_distance
-        # Meshes that meet have no depth: the hulls say how deep.
-        distance = min(bound[k], 0.0) if distance <= 0.0 else distance
+        distance = _exact(meshes, exact, int(k), bound[k])
         if distance < best:
             best, pair = distance, int(k)
     return _named(hulls, pair, best)

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array
 
+Pair = tuple[str, str]  # the names of two bodies
 Owner = Literal["arm1", "arm2", "common"]
 ARMS: tuple[Literal["arm1"], Literal["arm2"]] = ("arm1", "arm2")
 

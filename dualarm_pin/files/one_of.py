@@ -9,6 +9,7 @@ are checked by its signature, so adding one is an entry in its table.
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self, TypeVar, cast
 
@@ -48,9 +49,15 @@ class OneOf(Spec):
         """Where its arguments stand in the section."""
         return () if self.call is not None else (self.kind,)
 
-    def make(self) -> Any:
-        """Call the function of the table with the arguments of the file."""
-        return self.table[self.kind](**self.given.arguments)
+    def make(self, **more: Any) -> Any:
+        """Call the function of the table with the arguments of the file.
+
+        Args:
+            more: Further arguments; it gets those that it takes.
+        """
+        function = self.table[self.kind]
+        taken = inspect.signature(function).parameters.keys() & more.keys()
+        return function(**self.given.arguments, **{name: more[name] for name in taken})
 
     def _given(self) -> list[str]:
         return [name for name in (*self.table, "call") if getattr(self, name) is not None]

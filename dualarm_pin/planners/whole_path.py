@@ -14,6 +14,7 @@ from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.evidence.laws import count_laws, laws_suffice
+from dualarm_pin.planners.forbidden import forbidden
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
@@ -113,6 +114,9 @@ def plan_global(
         )
     problem = task.problem()
     clock = Clock.start()
+    never = forbidden(task, "global", name_of(solver), seed, clock)
+    if never is not None:
+        return never
     compile_s = engine.ensure_compiled(progress.line)
     search = _Search(problem, budget, seed, jobs, solver, progress)
     interrupted = _until_ctrl_c(search.run)

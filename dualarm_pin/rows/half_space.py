@@ -7,8 +7,8 @@ With the world as a, this keeps a tip above a table or before a wall.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,8 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import Array, finite, unit
 from dualarm_pin.errors import InputError
 from dualarm_pin.rows.row import WORLD, Row
+
+_AXES = ("x", "y", "z")
 
 
 def half_space(
@@ -67,6 +69,38 @@ def above(frame: str, z: float, points: Sequence[int] | None = None) -> Row:
 def below(frame: str, z: float, points: Sequence[int] | None = None) -> Row:
     """Keep the origin of `frame` at most at height z in the world [m]."""
     return half_space(frame, (0.0, 0.0, -1.0), -z, points=points, name=f"{frame} below {z:g} m")
+
+
+def inside(
+    frame: str,
+    box: Mapping[Literal["x", "y", "z"], tuple[float | None, float | None]],
+    points: Sequence[int] | None = None,
+) -> tuple[Row, ...]:
+    """Keep the origin of `frame` inside a box along the axes of the world.
+
+    Args:
+        frame: A frame, such as `arm1/tip`.
+        box: The least and the most along each axis that counts [m], None where there is none.
+        points: Points of the path, from 0; all by default.
+
+    Raises:
+        InputError: It says nothing, names another axis, or the least is not below the most.
+    """
+    rows: list[Row] = []
+    for axis, (least, most) in box.items():
+        if axis not in _AXES:
+            raise InputError(f"{axis!r} is no axis of a box: x, y or z", field="box")
+        if least is not None and most is not None and not least < most:
+            message = f"{axis}: the least, {least:g} m, must be below the most, {most:g} m"
+            raise InputError(message, field="box")
+        along = np.eye(3)[_AXES.index(axis)]
+        for sign, end, word in ((1.0, least, "at least"), (-1.0, most, "at most")):
+            if end is not None:
+                name = f"{frame} {axis} {word} {end:g} m"
+                rows.append(half_space(frame, sign * along, sign * end, points=points, name=name))
+    if not rows:
+        raise InputError("give the least and the most along x, y or z", field="box")
+    return tuple(rows)
 
 
 def plane_point(R: Array, p: Array, parameters: Array) -> float:

@@ -10,6 +10,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
+from dualarm_pin.clearance.spec import load_clearance
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.call import own_functions
 from dualarm_pin.files.read_task import read_task
@@ -61,6 +62,7 @@ def parts_of_task(
             "metric": _metric(smooth, cell),
             "per_arc_length": smooth.per_arc_length,
             "rows": rows,
+            "clearance": load_clearance(spec.clearance, cell),
             "name": source.path.stem,
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from dualarm_pin.clearance.spec import ClearanceSpec
 from dualarm_pin.files.call import CallSpec, Place
 from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec, Weight
@@ -38,6 +39,7 @@ class TaskSpec(Spec):
         smoothness: lambda of (eq. 19), or more about it.
         two_stage: The paper's first stage.
         constraints: What must hold at points of the path beside the pose.
+        clearance: How far apart bodies must stay: a distance, more about it, or `off`.
         method: How to plan it where the caller does not say: a name, or `call`.
         solver: The solver of that method: a name, or `call`.
         module_dirs: Further folders in which the modules of `call` are found.
@@ -49,6 +51,7 @@ class TaskSpec(Spec):
     smoothness: Weight | SmoothnessSpec = 3.0
     two_stage: TwoStageSpec = TwoStageSpec()
     constraints: list[RowSpec] = Field(default_factory=list)
+    clearance: ClearanceSpec = ClearanceSpec()
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)

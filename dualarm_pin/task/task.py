@@ -14,6 +14,7 @@ from ruamel.yaml import YAML
 from dualarm_pin import indices
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
+from dualarm_pin.clearance.rule import UNSAID, ClearanceRule
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.indices import Index
 from dualarm_pin.path import Path
@@ -40,6 +41,8 @@ class Task:
         metric: How the joints count in a step, diagonal (n,).
         per_arc_length: lambda follows the arc length: lambda (mean ds / ds)^4 for each link.
         rows: What must hold at points of the path beside the pose.
+        clearance: How far apart bodies must stay: by default no pair may touch whose distance the
+            path does not fix itself; None asks nothing.
         method: How to plan it where the caller does not say: a name, or a function (task, seed=...)
             that returns a `Trajectory`; None for the whole path at once.
         solver: The solver of that method where the caller does not say: a name, or a `Solver`.
@@ -56,6 +59,7 @@ class Task:
     metric: Array | None = None
     per_arc_length: bool = False
     rows: tuple[Row, ...] = ()
+    clearance: ClearanceRule | None = UNSAID
     method: str | Callable[..., Any] | None = None
     solver: str | Solver | None = None
     name: str = "task"
@@ -80,6 +84,8 @@ class Task:
                 field="index.joint_weights",
             )
         object.__setattr__(self, "metric", metric)
+        if self.clearance is not None:
+            self.clearance.check_names(self.cell.body_names)
         if not self.Gamma:
             object.__setattr__(self, "Gamma", choose_Gamma(self.path, min(6, h)))
         elif (self.Gamma[0], self.Gamma[-1]) != (0, h - 1) or np.any(np.diff(self.Gamma) < 1):
