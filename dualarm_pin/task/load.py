@@ -61,6 +61,7 @@ def parts_of_task(
             "metric": _metric(smooth, cell),
             "per_arc_length": smooth.per_arc_length,
             "rows": rows,
+            "motion": spec.motion,
             "name": source.path.stem,
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),

@@ -22,6 +22,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.rows import Row
 from dualarm_pin.solvers.solver import Solver
 from dualarm_pin.task.load import parts_of_task
+from dualarm_pin.task.motion_spec import MotionSpec
 
 LEAST_POINTS = 2  # one alone is no path
 
@@ -40,6 +41,7 @@ class Task:
         metric: How the joints count in a step, diagonal (n,).
         per_arc_length: lambda follows the arc length: lambda (mean ds / ds)^4 for each link.
         rows: What must hold at points of the path beside the pose.
+        motion: How its answer runs in time, if that is asked.
         method: How to plan it where the caller does not say: a name, or a function (task, seed=...)
             that returns a `Trajectory`; None for the whole path at once.
         solver: The solver of that method where the caller does not say: a name, or a `Solver`.
@@ -56,6 +58,7 @@ class Task:
     metric: Array | None = None
     per_arc_length: bool = False
     rows: tuple[Row, ...] = ()
+    motion: MotionSpec | None = None
     method: str | Callable[..., Any] | None = None
     solver: str | Solver | None = None
     name: str = "task"
