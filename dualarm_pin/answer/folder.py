@@ -64,11 +64,14 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
         write_bytes(Path(folder) / name, data)
 
 
-def load_result(folder: str | Path, *, allow_code: bool = False) -> tuple[Task, Trajectory]:
+def load_result(
+    folder: str | Path, changes: Sequence[str] = (), *, allow_code: bool = False
+) -> tuple[Task, Trajectory]:
     """Read a result folder.
 
     Args:
         folder: What `save_result` wrote.
+        changes: `key=value` changes of its task, of what its answer does not hang on.
         allow_code: Import and run the index or the path that the task names with `call`; its
             method and its solver have done their work and are left alone.
 
@@ -82,7 +85,7 @@ def load_result(folder: str | Path, *, allow_code: bool = False) -> tuple[Task, 
     trajectory = load_trajectory(folder)
     if not (folder / "task.yaml").is_file():
         raise MissingFileError("the task of this result is missing", file=folder / "task.yaml")
-    task = Task.load(folder / "task.yaml", _DONE, allow_code=allow_code)
+    task = Task.load(folder / "task.yaml", [*_DONE, *changes], allow_code=allow_code)
     if (len(trajectory.q), trajectory.joints) != (task.path.h, task.cell.joint_names):
         raise InputError(
             f"it answers another task: {len(trajectory.q)} points of {len(trajectory.joints)} "

@@ -202,6 +202,13 @@ class Cell(CellParts):
         """Moving links, `arm1/<link>`, whose mass no URDF states; plain frames are not counted."""
         return tuple(link for placed in self._robots for link in placed.links_without_inertia())
 
+    @property
+    def massless_joints(self) -> tuple[str, ...]:
+        """Joints of the model that carry no mass at all, up to the next joint."""
+        inertias = self.model.inertias
+        names = self.model.names
+        return tuple(names[j] for j in range(1, self.model.njoints) if not inertias[j].mass > 0.0)
+
     @cached_property
     def same_order(self) -> bool:
         """Whether Pinocchio's q is q itself: `joint_map` is the identity, without offset."""

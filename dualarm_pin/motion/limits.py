@@ -65,7 +65,7 @@ def limits_of(cell: Cell, asked: Sequence[Kind] | None = None) -> Limits:
     else:
         some = [kind for kind, lacking in known.items() if len(lacking) < cell.n]
         kinds = [kind for kind in some if kind != "torque"]
-        if not known["torque"] and not cell.links_without_inertia:
+        if not known["torque"] and not cell.massless_joints:
             kinds.append("torque")
         if "acceleration" not in kinds and "torque" not in kinds:
             kinds.append("acceleration")  # a motion that starts from rest has to know one of them

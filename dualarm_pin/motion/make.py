@@ -109,8 +109,8 @@ def _motion(
 
 
 def _limit_uses(limits: Limits, use: Use, feed: float | None) -> tuple[LimitUse, ...]:
-    """Return what each limit does; the share of the path is that where it is used most."""
-    every = np.concatenate(list(use.share.values()), axis=1)
+    """Return what each limit does; its share of the path is where it holds the motion back."""
+    every = np.concatenate(list(use.pace.values()), axis=1)
     tightest = np.argmax(every, axis=1)
     weight = np.gradient(use.place) if len(use.place) > 1 else np.ones(1)
     held = np.bincount(tightest, np.maximum(weight, 0.0), every.shape[1])

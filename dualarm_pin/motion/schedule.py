@@ -10,6 +10,7 @@ from scipy.interpolate import CubicSpline, PPoly
 from dualarm_pin.arrays import Array
 
 _PER_PIECE = 4  # samples a piece of the dense check
+_STEADY = 4000  # times between which the place is taken as straight to find when it is reached
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,6 +44,13 @@ class Schedule:
         x = self.place.x
         inside = np.linspace(1e-6, 1.0 - 1e-6, _PER_PIECE)
         return np.asarray((x[:-1, None] + np.diff(x)[:, None] * inside).ravel())
+
+    def times_of(self, place: Array) -> Array:
+        """Return when the tool is at places (m,), to what a check needs."""
+        steady = np.linspace(0.0, self.duration, _STEADY)
+        time = np.unique(np.concatenate([self.dense(), steady]))
+        found: Array = np.interp(place, np.maximum.accumulate(self.place(time)), time)
+        return found
 
     @classmethod
     def of_squares(cls, s: Array, x: Array) -> Schedule:

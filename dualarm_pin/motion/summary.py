@@ -20,7 +20,7 @@ class LimitUse:
         joint: Whose, `arm1/<name>`; "" for the feed, which is of the tool.
         limit: Its value [rad/s, rad/s^2, rad/s^3, N m, or the same in m and N; m/s].
         largest: Largest use after the dense check; 1 is all of it.
-        share: Share of the path along which it is the one that is used most.
+        share: Share of the path along which a faster motion would break it first.
     """
 
     kind: Kind

@@ -26,7 +26,7 @@ def time_optimal(
 
     Args:
         curve: Joints along the path.
-        limits: What the joints can do; jerk is not in.
+        limits: What the joints can do; of jerk only its part at a steady speed is kept.
         torques: What their drives hold.
         feed: Largest speed of the tool [m/s].
 
@@ -38,6 +38,9 @@ def time_optimal(
     first = np.abs(curve.at(s, 1))
     moving = np.maximum(first / limits.velocity, np.sqrt(1.0 / _FAR)).max(axis=1)
     most = np.minimum(moving**-2.0, feed**2)
+    if "jerk" in limits.kinds:  # what a steady speed may have: smoothing alone slows all alike
+        third = np.abs(curve.at(s, 3)) / limits.jerk
+        most = np.minimum(most, np.maximum(third.max(axis=1), _FAR**-1.5) ** (-2.0 / 3.0))
     stuck, x = fastest(s, rows, most, rests(limits))
     if stuck < 0:
         still = np.flatnonzero((x[1:] <= 0.0) & (x[:-1] <= 0.0))

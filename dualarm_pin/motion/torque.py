@@ -29,8 +29,8 @@ class Torques:
 
     @property
     def masses(self) -> bool:
-        """Whether every moving link has an inertia."""
-        return not self.cell.links_without_inertia
+        """Whether every moving joint carries a mass."""
+        return not self.cell.massless_joints
 
     @property
     def known(self) -> bool:
@@ -41,10 +41,13 @@ class Torques:
     def note(self) -> str:
         """What the torques are made of, in words."""
         if self.masses:
-            return "gravity and inertia of the URDF" + (", and the force" if self.force else "")
-        lacking = len(self.cell.links_without_inertia)
-        which = f"{lacking} links have no inertia: neither gravity nor inertia is in"
-        return f"static part of the tool force alone ({which})" if self.force else which
+            light = len(self.cell.links_without_inertia)
+            bare = f"; {light} links without inertia count as massless" if light else ""
+            return f"gravity, inertia{' and tool force' if self.force else ''}{bare}"
+        lacking = self.cell.massless_joints
+        more = f" and {len(lacking) - 1} more joints" if len(lacking) > 1 else ""
+        which = f"the masses that {lacking[0]}{more} move are not in the URDF"
+        return f"static part of the tool force alone: {which}" if self.force else which
 
     def static(self, q: Array, u: Array) -> Array:
         """Return the torques (m, n) at rest at q (m, n) with the tool pressing along u (m, 6)."""

@@ -13,6 +13,8 @@ from dualarm_pin.motion.schedule import Schedule
 from dualarm_pin.motion.summary import Kind
 from dualarm_pin.motion.torque import Torques
 
+_PER_INTERVAL = 4  # places between grid points at which limits are checked
+
 
 @dataclass(frozen=True, eq=False)
 class JointMotion:
@@ -53,17 +55,23 @@ def joints_at(curve: JointCurve, schedule: Schedule, time: Array) -> JointMotion
 
 @dataclass(frozen=True, eq=False)
 class Use:
-    """Shares of the limits, 1 is all of one.
+    """How much of each limit a motion takes.
 
     Attributes:
         place: Where (m,) [m].
-        share: By kind (m, n); the feed has one column.
-        slower: Factor of time that brings every share to 1 or less.
+        share: Shares of the limits by kind (m, n), 1 is all; the feed has one column.
+        pace: Factor of time by kind (m, n) at which each limit would be just met: the largest
+            is what holds the motion back there. Of a torque only the part that moves counts.
     """
 
     place: Array
     share: dict[Kind, Array]
-    slower: float
+    pace: dict[Kind, Array]
+
+    @property
+    def slower(self) -> float:
+        """Factor of time that brings every share to 1 or less."""
+        return max(1.0, *(float(pace.max()) for pace in self.pace.values()))
 
 
 def use_of(
@@ -72,9 +80,8 @@ def use_of(
     limits: Limits,
     torques: Torques,
     feed: float = np.inf,
-    time: Array | None = None,
 ) -> Use:
-    """Return how much of each limit a schedule uses.
+    """Return how much of each limit a schedule uses, looking densely everywhere.
 
     Args:
         curve: Joints along the path.
@@ -82,19 +89,19 @@ def use_of(
         limits: What the joints can do.
         torques: What their drives hold.
         feed: Largest speed of the tool [m/s].
-        time: Where to look (m,); densely everywhere by default.
     """
-    motion = joints_at(curve, schedule, schedule.dense() if time is None else time)
+    reached = schedule.times_of(curve.places(_PER_INTERVAL))
+    time = np.unique(np.concatenate([schedule.dense(), reached]))
+    motion = joints_at(curve, schedule, time)
     share: dict[Kind, Array] = {}
-    slower = 1.0
+    pace: dict[Kind, Array] = {}
     powers: dict[Kind, float] = {"velocity": 1.0, "acceleration": 2.0, "jerk": 3.0}
     for kind, power in powers.items():
         if kind in limits.kinds:
             share[kind] = np.abs(getattr(motion, kind)) / limits.of(kind)
-            slower = max(slower, float(share[kind].max()) ** (1.0 / power))
+            pace[kind] = share[kind] ** (1.0 / power)
     if np.isfinite(feed):
-        share["feed"] = np.abs(motion.speed[:, None]) / feed
-        slower = max(slower, float(share["feed"].max()))
+        share["feed"] = pace["feed"] = np.abs(motion.speed[:, None]) / feed
     if "torque" in limits.kinds:
         u = curve.relative.direction(motion.place)
         static = torques.static(motion.q, u)
@@ -102,5 +109,5 @@ def use_of(
         dynamic -= torques.moving(motion.q, 0.0 * motion.q, 0.0 * motion.q)
         share["torque"] = np.abs(static + dynamic) / limits.torque
         room = np.maximum(limits.torque - np.sign(dynamic) * static, 1e-12 * limits.torque)
-        slower = max(slower, float(np.sqrt((np.abs(dynamic) / room).max())))
-    return Use(motion.place, share, slower)
+        pace["torque"] = np.sqrt(np.abs(dynamic) / room)
+    return Use(motion.place, share, pace)
