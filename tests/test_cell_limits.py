@@ -131,6 +131,25 @@ def test_a_follower_slows_its_leader_down(folder: Path) -> None:
     assert unknown.joints[0].acceleration == 6
 
 
+def test_jerk_and_torque_come_from_the_cell_and_may_stand_inside_limits(folder: Path) -> None:
+    beside = load(folder, PAIR + "jerk_deg_s3: {elbow: 180}\ntorque: {elbow: 7}\n")
+    inside = load(folder, PAIR + "limits: {jerk_deg_s3: {elbow: 180}, torque: {elbow: 7}}\n")
+    for cell in (beside, inside):
+        assert [joint.jerk for joint in cell.joints] == [None, pytest.approx(np.pi), None] * 2
+        assert [joint.effort for joint in cell.joints] == [10, 7, 10] * 2
+        assert model_limits(cell)["arm1/elbow"][1] == 7
+    both = "velocity_deg: {elbow: 9}\nlimits: {velocity_deg_s: {elbow: 9}}\n"
+    assert "give one" in refusal(folder, PAIR + both).message
+
+
+def test_the_table_says_which_limits_of_motion_are_missing(folder: Path) -> None:
+    text = text_of(describe(load(folder, PAIR + "acceleration: {elbow: 1}\n")))
+    assert "velocity_deg: known" in text
+    assert "jerk_deg_s3: missing for all joints" in text
+    missing = "acceleration_deg_s2: missing for arm1/shoulder, arm1/slide, arm2/shoulder"
+    assert missing in text
+
+
 def test_locked_joints_have_no_limits_and_their_masses_ride_along(folder: Path) -> None:
     heavy = (folder / "small.urdf").read_text()
     heavy = heavy.replace(

@@ -10,8 +10,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from answers import answer
 from paper_case import CELL, TASK
 from patience import LONG
+
+from dualarm_pin.answer.folder import save_result
+from dualarm_pin.motion import Motion
+from dualarm_pin.task import Task
 
 
 def run(*arguments: object, cwd: Path, timeout: float = LONG) -> subprocess.CompletedProcess[str]:
@@ -189,3 +194,34 @@ def test_ctrl_c_ends_at_once_without_a_traceback(tmp_path: Path) -> None:
     assert process.returncode in (0, 1, 130)
     if process.returncode == 0:  # what was finished became a whole, verified path
         assert json.loads((tmp_path / "r" / "result.json").read_text())["found"] is True
+
+
+def test_motion_is_written_beside_a_result_and_refused_without_one(tmp_path: Path) -> None:
+    out = tmp_path / "r"
+    save_result(out, Task.load(TASK), answer())
+    before = (out / "result.json").read_bytes()
+    refused = run("motion", out, "--feed", 3, cwd=tmp_path)
+    assert (refused.returncode, refused.stderr.count("\n")) == (2, 1)
+    assert "largest is 0.0219" in refused.stderr
+    assert (out / "result.json").read_bytes() == before
+    assert not (out / "motion.csv").exists()
+    done = run("motion", out, "--law", "time_optimal", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "time optimal" in done.stdout
+    assert Motion.load(out).duration == pytest.approx(2.016, abs=0.01)
+    missing = run("motion", tmp_path, cwd=tmp_path)
+    assert (missing.returncode, missing.stderr.count("\n")) == (2, 1)
+
+
+def test_solve_runs_the_motion_that_the_task_asks_for(tmp_path: Path) -> None:
+    task = small_task(tmp_path, motion="{law: time_optimal, rate: 0.01}")
+    done = run("solve", task, "--method", "local", "--out", "r", cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    motion = Motion.load(tmp_path / "r")
+    assert motion.law == "time_optimal"
+    assert motion.time[1] <= 0.01
+    missing = small_task(tmp_path, motion="{limits: [jerk]}")
+    refused = run("solve", missing, "--method", "local", "--out", "s", cwd=tmp_path)
+    assert refused.returncode == 2
+    assert "jerk_deg_s3" in refused.stderr
+    assert not (tmp_path / "s").exists()

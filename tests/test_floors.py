@@ -17,6 +17,7 @@ FLOORS = [
     {"bench", "paper", "inspection", "design"},
     {"planners", "show", "exports"},
     {"evidence"},
+    {"motion"},
     {"search", "answer"},
     {"task", "solvers"},
     {"engine"},

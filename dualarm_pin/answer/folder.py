@@ -9,7 +9,6 @@ from __future__ import annotations
 import csv
 import io
 import json
-import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -19,14 +18,13 @@ from pydantic import ValidationError
 
 from dualarm_pin.answer.result_json import read_result_json, result_json
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.files.npz import npz_bytes, read_npz
 from dualarm_pin.files.write import write_bytes
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
-_LARGEST = 2_000_000_000  # bytes of the arrays, unpacked
 _DONE = ("method=null", "solver=null")  # have done their work: none of their code is needed
 _NOT_OURS = "not a result of this program"
 
@@ -53,17 +51,11 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
     Raises:
         InputError: The folder cannot be written.
     """
-    arrays = io.BytesIO()
-    np.savez(
-        arrays,
-        q=trajectory.q,
-        index=trajectory.index,
-        arc_length=trajectory.arc_length,
-        joints=np.array(trajectory.joints, dtype=np.str_),
-    )
+    t = trajectory
+    arrays = {"q": t.q, "index": t.index, "arc_length": t.arc_length}
     files = {
         "trajectory.csv": _csv(trajectory).encode(),
-        "trajectory.npz": arrays.getvalue(),
+        "trajectory.npz": npz_bytes(arrays, t.joints),
         "result.json": (json.dumps(result_json(trajectory), indent=1) + "\n").encode(),
     }
     if task is not None:
@@ -72,11 +64,14 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
         write_bytes(Path(folder) / name, data)
 
 
-def load_result(folder: str | Path, *, allow_code: bool = False) -> tuple[Task, Trajectory]:
+def load_result(
+    folder: str | Path, changes: Sequence[str] = (), *, allow_code: bool = False
+) -> tuple[Task, Trajectory]:
     """Read a result folder.
 
     Args:
         folder: What `save_result` wrote.
+        changes: `key=value` changes of its task, of what its answer does not hang on.
         allow_code: Import and run the index or the path that the task names with `call`; its
             method and its solver have done their work and are left alone.
 
@@ -90,7 +85,7 @@ def load_result(folder: str | Path, *, allow_code: bool = False) -> tuple[Task, 
     trajectory = load_trajectory(folder)
     if not (folder / "task.yaml").is_file():
         raise MissingFileError("the task of this result is missing", file=folder / "task.yaml")
-    task = Task.load(folder / "task.yaml", _DONE, allow_code=allow_code)
+    task = Task.load(folder / "task.yaml", [*_DONE, *changes], allow_code=allow_code)
     if (len(trajectory.q), trajectory.joints) != (task.path.h, task.cell.joint_names):
         raise InputError(
             f"it answers another task: {len(trajectory.q)} points of {len(trajectory.joints)} "
@@ -114,9 +109,9 @@ def load_trajectory(folder: str | Path) -> Trajectory:
         raise MissingFileError(
             "no result here: give the folder that `solve --out` wrote", file=file
         ) from error
-    q, index, arc_length = _read_arrays(archive)
+    arrays = read_npz(archive, {"q": 2, "index": 1, "arc_length": 1}, what="a trajectory")
     try:
-        return read_result_json(text, q, index, arc_length)
+        return read_result_json(text, **arrays)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
         given = (
@@ -130,30 +125,6 @@ def load_trajectory(folder: str | Path) -> Trajectory:
         raise InputError(
             f"it does not fit trajectory.npz: {error.message}", file=file, field=error.field
         ) from error
-
-
-def _read_arrays(file: Path) -> tuple[Array, Array, Array]:
-    try:
-        with zipfile.ZipFile(file) as archive:
-            if sum(part.file_size for part in archive.infolist()) > _LARGEST:
-                raise InputError(f"{_NOT_OURS}: its arrays are too large", file=file)
-        with np.load(file, allow_pickle=False) as arrays:
-            found = [arrays[name] for name in ("q", "index", "arc_length")]
-    except FileNotFoundError as error:
-        raise MissingFileError("no such file", file=file) from error
-    except InputError:
-        raise
-    except Exception as error:  # a damaged archive fails anywhere in zipfile, zlib and numpy
-        raise InputError(f"not a trajectory of this program: {error}", file=file) from error
-    for name, array, axes in zip(("q", "index", "arc_length"), found, (2, 1, 1), strict=True):
-        if array.ndim != axes or array.dtype.kind not in "fiu":
-            raise InputError(
-                f"{axes} axes of numbers are expected; given {array.dtype}, shape {array.shape}",
-                file=file,
-                field=name,
-            )
-    q, index, arc_length = (np.asarray(array, dtype=np.float64) for array in found)
-    return q, index, arc_length
 
 
 def _csv(trajectory: Trajectory) -> str:

@@ -94,8 +94,8 @@ def verify(
     if not np.all(np.isfinite(q)):
         point = int(np.argmin(np.isfinite(q).all(axis=1))) + 1
         raise InputError(f"the joints of point {point} are not finite", field="q")
-    everywhere = _distances(task, q) if clearance else None
-    arms = _distances(task, q, between_arms=True) if clearance else None
+    everywhere = distances_along(task, q) if clearance else None
+    arms = distances_along(task, q, between_arms=True) if clearance else None
     bounds = (cell.lower, cell.upper)
     figures = np.zeros((4, path.h))
     for i, q_i in enumerate(q):
@@ -132,8 +132,8 @@ def verify(
     )
 
 
-def _distances(task: Task, q: Array, *, between_arms: bool = False) -> Distances | None:
-    """Return the smallest distance at every point, or None where it is not known.
+def distances_along(task: Task, q: Array, *, between_arms: bool = False) -> Distances | None:
+    """Return the smallest distance at joints q (m, n), or None where it is not known.
 
     Convex hulls are compared first; they never say more than there is. Where they touch, the
     meshes themselves decide.

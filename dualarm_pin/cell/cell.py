@@ -195,6 +195,13 @@ class Cell(CellGeometry):
         """Moving links, `arm1/<link>`, whose mass no URDF states; plain frames are not counted."""
         return tuple(link for placed in self._robots for link in placed.links_without_inertia())
 
+    @property
+    def massless_joints(self) -> tuple[str, ...]:
+        """Joints of the model that carry no mass at all, up to the next joint."""
+        inertias = self.model.inertias
+        names = self.model.names
+        return tuple(names[j] for j in range(1, self.model.njoints) if not inertias[j].mass > 0.0)
+
     @cached_property
     def _bodies(self) -> CellBodies:
         if self._loaded is not None:

@@ -51,7 +51,8 @@ def column(joint: UrdfJoint, owner: Owner, settings: Settings) -> tuple[Joint, l
         bounds[1],
         settings.velocity.get(joint.name, joint.velocity),
         settings.acceleration.get(joint.name),
-        joint.effort,
+        settings.torque.get(joint.name, joint.effort),
+        settings.jerk.get(joint.name),
     )
     return kept, warnings
 
@@ -99,10 +100,12 @@ def narrowed(
             )
     velocity = settings.velocity.get(joint.name, joint.velocity)
     acceleration = settings.acceleration.get(joint.name)
+    jerk = settings.jerk.get(joint.name)
     slower = replace(
         leader,
         velocity=_least(leader.velocity, velocity, multiplier),
         acceleration=_least(leader.acceleration, acceleration, multiplier),
+        jerk=_least(leader.jerk, jerk, multiplier),
     )
     if slower != leader:
         warnings.append(f"{leader.name}: slowed down to what {joint.name!r}, which follows, allows")

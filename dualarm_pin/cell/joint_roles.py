@@ -78,6 +78,8 @@ def _refuse_idle_settings(settings: Settings, out: Roles) -> None:
         ("limits", "bounds", out.columns),
         ("velocity", "speeds", out.columns | out.followers),
         ("acceleration", "accelerations", out.columns | out.followers),
+        ("jerk", "jerks", out.columns | out.followers),
+        ("torque", "torques", out.columns),
     ):
         for name in getattr(settings, word):
             if name not in allowed:

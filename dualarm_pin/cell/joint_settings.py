@@ -20,6 +20,8 @@ _WORDS = {
     "limits": {"limits": 1.0, "limits_deg": _DEG},
     "velocity": {"velocity": 1.0, "velocity_deg": _DEG},
     "acceleration": {"acceleration": 1.0, "acceleration_deg_s2": _DEG},
+    "jerk": {"jerk": 1.0, "jerk_deg_s3": _DEG},
+    "torque": {"torque": 1.0},
     "lock": {"lock": 1.0, "lock_deg": _DEG},
 }
 
@@ -34,6 +36,8 @@ class Settings:
         limits: Lower and upper [rad or m].
         velocity: Largest speed [rad/s or m/s].
         acceleration: Largest acceleration [rad/s^2 or m/s^2].
+        jerk: Largest jerk [rad/s^3 or m/s^3].
+        torque: Largest torque or force [N m or N].
         lock: Value at which to lock [rad or m].
         place: Where in the cell file each (word, joint) stands.
     """
@@ -43,6 +47,8 @@ class Settings:
     limits: dict[str, tuple[float, float]] = field(default_factory=dict)
     velocity: dict[str, float] = field(default_factory=dict)
     acceleration: dict[str, float] = field(default_factory=dict)
+    jerk: dict[str, float] = field(default_factory=dict)
+    torque: dict[str, float] = field(default_factory=dict)
     lock: dict[str, float] = field(default_factory=dict)
     place: dict[tuple[str, str], tuple[str, ...]] = field(default_factory=dict)
 

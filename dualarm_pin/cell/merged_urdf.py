@@ -56,9 +56,11 @@ def _link(name: str, inertial: Inertial | None) -> list[str]:
 def _joint(placed: PlacedRobot, joint: UrdfJoint, frames: Mapping[str, str]) -> list[str]:
     roles = placed.roles
     name, parent, child = placed.joint(joint.name), frames[joint.parent], frames[joint.child]
+    effort = joint.effort
     if joint.name in roles.columns:
         column = roles.columns[joint.name]
         lower, upper, speed = column.lower, column.upper, column.velocity
+        effort = column.effort
     elif joint.name in roles.followers:
         leader, multiplier, offset = roles.followers[joint.name]
         column = roles.columns[leader]
@@ -81,7 +83,7 @@ def _joint(placed: PlacedRobot, joint: UrdfJoint, frames: Mapping[str, str]) -> 
         f'<joint name={quoteattr(name)} type="{kind}">{_origin(joint.xyz, joint.rpy)}',
         f"<parent link={quoteattr(parent)}/><child link={quoteattr(child)}/>",
         f'<axis xyz="{x!r} {y!r} {z!r}"/>',
-        f'<limit lower="{lower!r}" upper="{upper!r}" effort="{joint.effort or 0.0!r}" '
+        f'<limit lower="{lower!r}" upper="{upper!r}" effort="{effort or 0.0!r}" '
         f'velocity="{speed or 0.0!r}"/></joint>',
     ]
 

@@ -16,6 +16,14 @@ Pair = tuple[str, str]  # the names of two bodies
 Owner = Literal["arm1", "arm2", "common"]
 ARMS: tuple[Literal["arm1"], Literal["arm2"]] = ("arm1", "arm2")
 
+MOTION_KEYS = {
+    "velocity": "velocity_deg",
+    "acceleration": "acceleration_deg_s2",
+    "jerk": "jerk_deg_s3",
+    "effort": "torque",
+}
+"""Limits of motion of a `Joint` to the keys of the cell file that state them."""
+
 
 @dataclass(frozen=True)
 class Joint:
@@ -31,6 +39,7 @@ class Joint:
         velocity: Largest speed [rad/s or m/s], or None where it is not known.
         acceleration: Largest acceleration [rad/s^2 or m/s^2], or None where it is not known.
         effort: Largest torque or force [N m or N], or None where it is not known.
+        jerk: Largest jerk [rad/s^3 or m/s^3], or None where it is not known.
     """
 
     name: str
@@ -42,6 +51,7 @@ class Joint:
     velocity: float | None
     acceleration: float | None
     effort: float | None
+    jerk: float | None = None
 
 
 @dataclass(frozen=True)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
-from dualarm_pin.cell.parts import Joint
+from dualarm_pin.cell.parts import MOTION_KEYS, Joint
 from dualarm_pin.cell.report import ArmReport, CellReport
 
 _DEG = 180.0 / math.pi
@@ -17,6 +17,7 @@ def text_of(report: CellReport) -> str:
     blocks = [f"Cell {report.name}: {len(report.joints)} joints"]
     blocks += [_arm(arm) for arm in report.arms]
     blocks.append(_joints(report.joints))
+    blocks.append(_motion_limits(report.joints))
     if report.locked:
         locked = [f"{name} = {value:g}" for name, value in report.locked.items()]
         blocks.append(_list(f"Locked joints ({len(locked)}) [rad or m]", locked))
@@ -50,7 +51,8 @@ def _arm(arm: ArmReport) -> str:
 
 
 def _joints(joints: Sequence[Joint]) -> str:
-    rows = [("joint", "type", "lower", "upper", "unit", "speed", "acceleration", "effort")]
+    rows: list[tuple[str, ...]]
+    rows = [("joint", "type", "lower", "upper", "unit", "speed", "acceleration", "effort", "jerk")]
     for joint in joints:
         turns = joint.kind == "revolute"
         scale, unit = (_DEG, "deg") if turns else (1.0, "m")
@@ -59,11 +61,24 @@ def _joints(joints: Sequence[Joint]) -> str:
         speed = _known(joint.velocity, scale, f"{unit}/s")
         acceleration = _known(joint.acceleration, scale, f"{unit}/s^2")
         effort = _known(joint.effort, 1.0, "N m" if turns else "N")
-        rows.append((joint.name, kind, lower, upper, unit, speed, acceleration, effort))
-    sides = "<<>><<<<"
+        jerk = _known(joint.jerk, scale, f"{unit}/s^3")
+        rows.append((joint.name, kind, lower, upper, unit, speed, acceleration, effort, jerk))
+    if all(joint.jerk is None for joint in joints):  # few cells state one
+        rows = [row[:-1] for row in rows]
+    sides = "<<>><<<<<"[: len(rows[0])]
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     line = "  ".join(f"{{:{side}{width}}}" for side, width in zip(sides, widths, strict=True))
     return "\n".join(line.format(*row).rstrip() for row in rows)
+
+
+def _motion_limits(joints: Sequence[Joint]) -> str:
+    """Say what a motion in time would lack, and the key of the cell file that brings it."""
+    lines = []
+    for word, key in MOTION_KEYS.items():
+        unknown = [joint.name for joint in joints if getattr(joint, word) is None]
+        which = "all joints" if len(unknown) == len(joints) else ", ".join(unknown)
+        lines.append(f"  {key}: " + (f"missing for {which}" if unknown else "known"))
+    return "\n".join(["Limits of motion, by key of the cell file:", *lines])
 
 
 def _known(value: float | None, scale: float, unit: str) -> str:

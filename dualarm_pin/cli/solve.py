@@ -44,11 +44,16 @@ def solve(
     """
     from dualarm_pin.answer.folder import save_result
     from dualarm_pin.answer.summary import summary
+    from dualarm_pin.motion.limits import limits_of
+    from dualarm_pin.motion.make import make_motion
+    from dualarm_pin.motion.text import motion_text
     from dualarm_pin.planners.methods import plan
     from dualarm_pin.solvers.solver import name_of
     from dualarm_pin.task import Task
 
     loaded = Task.load(task, set_, allow_code=allow_code)
+    if loaded.motion is not None:
+        limits_of(loaded.cell, loaded.motion.limits)  # what is missing is said before the search
     how = method or name_of(loaded.method or "global")
     folder = out or Path("results") / f"{task.stem}-{how.replace(':', '-')}"
     with TerminalProgress() as progress:
@@ -66,6 +71,10 @@ def solve(
         )
     save_result(folder, loaded, trajectory)
     print(summary(loaded, trajectory))
+    if loaded.motion is not None and trajectory.found:
+        made = make_motion(loaded, trajectory)
+        made.write(folder)
+        print(motion_text(made))
     print(f"written to {folder}")
     if not trajectory.found:
         print(f"dualarm-pin: no solution was found: {trajectory.message}", file=sys.stderr)

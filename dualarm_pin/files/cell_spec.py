@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Self
+from typing import Annotated, Any, Self
 
 import numpy as np
 import pinocchio as pin
@@ -29,6 +29,15 @@ def _unit(vector: Vector) -> Vector:
 Bounds = Annotated[tuple[float, float], AfterValidator(_ascending)]
 Direction = Annotated[Vector, AfterValidator(_unit)]
 Positive = Annotated[float, Field(gt=0)]
+
+
+MOTION_LIMITS = {
+    "velocity_deg_s": "velocity_deg",
+    "acceleration_deg_s2": "acceleration_deg_s2",
+    "jerk_deg_s3": "jerk_deg_s3",
+    "torque": "torque",
+}
+"""Keys inside `limits` to the keys beside it that say the same."""
 
 
 class PlacementSpec(Spec):
@@ -61,7 +70,9 @@ class PlacementSpec(Spec):
 class JointSettings(Spec):
     """What may be said about joints, by name: bounds, what motion allows, values at which to lock.
 
-    Degrees are for revolute joints only; without `_deg` the unit is rad or m, and seconds.
+    Degrees are for revolute joints only; without `_deg` the unit is rad or m, and seconds. What
+    motion allows may also stand inside `limits`: {velocity_deg_s, acceleration_deg_s2,
+    jerk_deg_s3, torque}, each by joint.
     """
 
     limits: dict[str, Bounds] = Field(default_factory=dict)
@@ -70,8 +81,26 @@ class JointSettings(Spec):
     velocity_deg: dict[str, Positive] = Field(default_factory=dict)
     acceleration: dict[str, Positive] = Field(default_factory=dict)
     acceleration_deg_s2: dict[str, Positive] = Field(default_factory=dict)
+    jerk: dict[str, Positive] = Field(default_factory=dict)
+    jerk_deg_s3: dict[str, Positive] = Field(default_factory=dict)
+    torque: dict[str, Positive] = Field(default_factory=dict)
     lock: dict[str, float] = Field(default_factory=dict)
     lock_deg: dict[str, float] = Field(default_factory=dict)
+
+    @model_validator(mode="before")
+    @classmethod
+    def _all_in_limits(cls, data: Any) -> Any:
+        """Read what motion allows where it stands inside `limits`."""
+        limits = data.get("limits") if isinstance(data, dict) else None
+        inside = MOTION_LIMITS.keys() & limits.keys() if isinstance(limits, dict) else set()
+        if not isinstance(limits, dict) or not inside:
+            return data
+        data = {**data, "limits": {k: v for k, v in limits.items() if k not in inside}}
+        for key in sorted(inside):
+            if MOTION_LIMITS[key] in data:
+                raise ValueError(f"`{key}` in `limits` and `{MOTION_LIMITS[key]}`: give one")
+            data[MOTION_LIMITS[key]] = limits[key]
+        return data
 
 
 class ArmSpec(JointSettings):

@@ -63,6 +63,7 @@ def parts_of_task(
             "per_arc_length": smooth.per_arc_length,
             "rows": rows,
             "clearance": load_clearance(spec.clearance, cell),
+            "motion": spec.motion,
             "name": source.path.stem,
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),

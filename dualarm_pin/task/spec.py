@@ -12,6 +12,7 @@ from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec, Weight
 from dualarm_pin.path.spec import PathSpec
 from dualarm_pin.rows.spec import RowSpec
+from dualarm_pin.task.motion_spec import MotionSpec
 
 
 class SmoothnessSpec(Spec):
@@ -40,6 +41,7 @@ class TaskSpec(Spec):
         two_stage: The paper's first stage.
         constraints: What must hold at points of the path beside the pose.
         clearance: How far apart bodies must stay: a distance, more about it, or `off`.
+        motion: How its answer runs in time, if that is asked.
         method: How to plan it where the caller does not say: a name, or `call`.
         solver: The solver of that method: a name, or `call`.
         module_dirs: Further folders in which the modules of `call` are found.
@@ -52,6 +54,7 @@ class TaskSpec(Spec):
     two_stage: TwoStageSpec = TwoStageSpec()
     constraints: list[RowSpec] = Field(default_factory=list)
     clearance: ClearanceSpec = ClearanceSpec()
+    motion: MotionSpec | None = None
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)

@@ -23,6 +23,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.rows import Row
 from dualarm_pin.solvers.solver import Solver
 from dualarm_pin.task.load import parts_of_task
+from dualarm_pin.task.motion_spec import MotionSpec
 
 LEAST_POINTS = 2  # one alone is no path
 
@@ -43,6 +44,7 @@ class Task:
         rows: What must hold at points of the path beside the pose.
         clearance: How far apart bodies must stay: by default no pair may touch whose distance the
             path does not fix itself; None asks nothing.
+        motion: How its answer runs in time, if that is asked.
         method: How to plan it where the caller does not say: a name, or a function (task, seed=...)
             that returns a `Trajectory`; None for the whole path at once.
         solver: The solver of that method where the caller does not say: a name, or a `Solver`.
@@ -60,6 +62,7 @@ class Task:
     per_arc_length: bool = False
     rows: tuple[Row, ...] = ()
     clearance: ClearanceRule | None = UNSAID
+    motion: MotionSpec | None = None
     method: str | Callable[..., Any] | None = None
     solver: str | Solver | None = None
     name: str = "task"

@@ -1,0 +1,59 @@
+"""Arrays in `.npz` files, without pickle; what is read is not trusted."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from dualarm_pin.arrays import Array
+from dualarm_pin.errors import InputError, MissingFileError
+
+_LARGEST = 2_000_000_000  # bytes of the arrays, unpacked
+
+
+def npz_bytes(arrays: Mapping[str, Array], joints: tuple[str, ...]) -> bytes:
+    """Return the content of a file of arrays and the names of the joints."""
+    data = io.BytesIO()
+    named: dict[str, Any] = {**arrays, "joints": np.array(joints, dtype=np.str_)}
+    np.savez(data, **named)
+    return data.getvalue()
+
+
+def read_npz(file: Path, axes: Mapping[str, int], *, what: str) -> dict[str, Array]:
+    """Read arrays of numbers.
+
+    Args:
+        file: The file.
+        axes: Name of each array that must be there to its number of axes.
+        what: What the file holds, for messages.
+
+    Raises:
+        MissingFileError: There is no such file.
+        InputError: It is damaged or too large, or an array is missing or of another kind.
+    """
+    try:
+        with zipfile.ZipFile(file) as archive:
+            if sum(part.file_size for part in archive.infolist()) > _LARGEST:
+                raise InputError(f"not {what} of this program: its arrays are too large", file=file)
+        with np.load(file, allow_pickle=False) as arrays:
+            found = {name: arrays[name] for name in axes}
+    except FileNotFoundError as error:
+        raise MissingFileError("no such file", file=file) from error
+    except InputError:
+        raise
+    except Exception as error:  # a damaged archive fails anywhere in zipfile, zlib and numpy
+        raise InputError(f"not {what} of this program: {error}", file=file) from error
+    for name, array in found.items():
+        if array.ndim != axes[name] or array.dtype.kind not in "fiu":
+            raise InputError(
+                f"{axes[name]} axes of numbers are expected; given {array.dtype}, "
+                f"shape {array.shape}",
+                file=file,
+                field=name,
+            )
+    return {name: np.asarray(array, dtype=np.float64) for name, array in found.items()}

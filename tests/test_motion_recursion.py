@@ -1,0 +1,134 @@
+"""The fastest law against closed forms, a linear programme at every point, and another library."""
+
+from __future__ import annotations
+
+import platform
+import sys
+
+import numpy as np
+import pytest
+from scipy.interpolate import CubicSpline
+from scipy.optimize import linprog
+
+from dualarm_pin.motion.recursion import fastest
+
+N, JOINTS = 300, 12
+
+
+def duration(s: np.ndarray, x: np.ndarray) -> float:
+    speed = np.sqrt(x)
+    return float(np.sum(2.0 * np.diff(s) / (speed[1:] + speed[:-1])))
+
+
+def two_sided(a: np.ndarray, b: np.ndarray, limit: np.ndarray) -> tuple[np.ndarray, ...]:
+    return (
+        np.concatenate([a, -a], axis=1),
+        np.concatenate([b, -b], axis=1),
+        np.broadcast_to(np.concatenate([limit, limit]), (len(a), 2 * len(limit))).copy(),
+    )
+
+
+def random_path(seed: int):
+    rng = np.random.default_rng(seed)
+    way = rng.normal(size=(int(rng.integers(4, 9)), JOINTS))
+    places = np.linspace(0.0, 1.0, len(way))
+    spline = CubicSpline(places, way)
+    s = np.linspace(0.0, 1.0, N)
+    velocity, acceleration = rng.uniform(1, 3, JOINTS), rng.uniform(2, 10, JOINTS)
+    rows = two_sided(spline(s, 1), spline(s, 2), acceleration)
+    most = np.min((velocity / np.abs(spline(s, 1))) ** 2, axis=1)
+    return s, rows, most, (places, way, velocity, acceleration)
+
+
+@pytest.mark.parametrize("most", [100.0, 0.25])
+def test_a_straight_line_is_the_double_integrator(most: float) -> None:
+    s = np.linspace(0.0, 1.0, N + 1)
+    one = np.ones((N + 1, 1))
+    code, x = fastest(s, two_sided(one, 0 * one, np.array([2.0])), np.full(N + 1, most), True)
+    top = np.sqrt(min(most, 2.0))
+    expected = 2.0 * top / 2.0 + (1.0 - top**2 / 2.0) / top  # ramps, and what is left at the top
+    assert code == -1
+    assert duration(s, x) == pytest.approx(expected, rel=1e-3)
+    assert np.allclose(x, np.minimum(np.minimum(4 * s, 4 * (1 - s)), most), atol=1e-9)
+
+
+def test_a_ring_is_run_at_the_speed_its_curvature_allows() -> None:
+    s = np.linspace(0.0, 3.0, 3001)
+    d1 = np.stack([-np.sin(s), np.cos(s)], axis=1)
+    d2 = np.stack([-np.cos(s), -np.sin(s)], axis=1)
+    code, x = fastest(s, two_sided(d1, d2, np.ones(2)), np.full(len(s), 1e9), True)
+    u = np.diff(x) / (2 * np.diff(s))
+    use = np.abs(d1[:-1] * u[:, None] + d2[:-1] * x[:-1, None])
+    assert code == -1
+    assert use.max() <= 1.0 + 1e-9
+    assert np.median(use.max(axis=1)) == pytest.approx(1.0, abs=1e-6)
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_every_reachable_speed_is_that_of_a_linear_programme(seed: int) -> None:
+    s, rows, most, _ = random_path(seed)
+    keep = np.arange(0, N, 6)
+    s, most, rows = s[keep], most[keep], tuple(row[keep].copy() for row in rows)
+    code, x = fastest(s, rows, most, True)
+    a, b, g = rows
+    reach = np.zeros(len(s))
+    for i in range(len(s) - 2, -1, -1):
+        ds = s[i + 1] - s[i]
+        left = np.concatenate([a[i], a[i + 1] + 2 * ds * b[i + 1], [2 * ds, -2 * ds]])
+        right = np.concatenate([b[i], b[i + 1], [1.0, -1.0]])
+        limit = np.concatenate([g[i], g[i + 1], [reach[i + 1], 0.0]])
+        best = linprog(
+            [0, -1], np.stack([left, right], 1), limit, bounds=[(None, None), (0, most[i])]
+        )
+        reach[i] = best.x[1]
+    forward = np.zeros(len(s))
+    for i in range(len(s) - 1):
+        ds = s[i + 1] - s[i]
+        left = np.concatenate([a[i], a[i + 1] + 2 * ds * b[i + 1], [2 * ds]])
+        limit = np.concatenate(
+            [
+                g[i] - b[i] * forward[i],
+                g[i + 1] - b[i + 1] * forward[i],
+                [reach[i + 1] - forward[i]],
+            ]
+        )
+        best = linprog([-1], left[:, None], limit, bounds=[(None, None)])
+        forward[i + 1] = forward[i] + 2 * ds * best.x[0]
+    assert code == -1
+    assert np.allclose(x, forward, rtol=1e-6, atol=1e-9)
+
+
+@pytest.mark.xfail(
+    (sys.platform, platform.machine()) != ("linux", "x86_64"),
+    reason="toppra has wheels for Linux x86_64 alone",
+    run=False,
+)
+def test_durations_are_those_of_toppra_on_thirty_paths() -> None:
+    toppra = pytest.importorskip("toppra")
+    toppra.setup_logging("ERROR")
+    for seed in range(30):
+        s, rows, most, (places, way, velocity, acceleration) = random_path(seed)
+        code, x = fastest(s, rows, most, True)
+        theirs = toppra.algorithm.TOPPRA(
+            [
+                toppra.constraint.JointVelocityConstraint(velocity),
+                toppra.constraint.JointAccelerationConstraint(
+                    acceleration, discretization_scheme=1
+                ),
+            ],
+            toppra.SplineInterpolator(places, way),
+            gridpoints=s,
+        )
+        theirs.compute_parameterization(0.0, 0.0)
+        assert code == -1
+        expected = duration(s, theirs.problem_data.sd_vec**2)
+        assert duration(s, x) == pytest.approx(expected, rel=5e-3)
+
+
+def test_a_row_that_nothing_keeps_names_its_point() -> None:
+    s = np.linspace(0.0, 1.0, 11)
+    one = np.ones((11, 1))
+    a, b, g = two_sided(one, 0 * one, np.array([1.0]))
+    g[4] = -1.0
+    code, _ = fastest(s, (a, b, g), np.full(11, 1.0), True)
+    assert code in (3, 4)
