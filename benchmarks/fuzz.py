@@ -14,6 +14,7 @@ import argparse
 import multiprocessing as mp
 import resource
 import shutil
+import signal
 import sys
 import tempfile
 import time
@@ -40,7 +41,8 @@ from dualarm_pin.relative import Relative
 from dualarm_pin.show import report_page
 from dualarm_pin.task import Task
 
-SECONDS = 10.0  # wall time of one case
+SECONDS = 10.0  # of processor time of one case
+BLOCKED = 60.0  # wall time of one case: only what waits for ever takes so long
 MEMORY = 2 * 1024**3  # bytes of address space of the process that runs it, libraries included
 AGAIN = 500  # cases after which a process gives way to a fresh one
 MOST_VERIFIED = 200  # points; longer paths are loaded and not checked
@@ -136,6 +138,7 @@ def work(cases: list[tuple[str, int]], sound: Path, pipe: Connection) -> None:
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for kind, seed in cases:
         pipe.send(("begins", kind, seed, ""))
+        signal.setitimer(signal.ITIMER_PROF, SECONDS)  # ends the process
         try:
             status, message = outcome(kind, seed, sound)
         except UnicodeEncodeError as error:
@@ -144,36 +147,42 @@ def work(cases: list[tuple[str, int]], sound: Path, pipe: Connection) -> None:
 
 
 class Worker:
-    """A forked process with its cases, and the one it is at."""
+    """A forked process with its cases; `left` are those that have not ended."""
 
     def __init__(self, cases: list[tuple[str, int]], sound: Path) -> None:
         self.left = cases
+        self.gone = False
         self.pipe, other = mp.Pipe(duplex=False)
         self.process = mp.get_context("fork").Process(target=work, args=(cases, sound, other))
         self.process.start()
         other.close()
         self.since = time.monotonic()
 
-    def ended(self) -> tuple[str, str, int, str] | None:
-        """Return how a case ended, if one did; a process that died or hangs fails its case."""
-        case = self.left[0]
+    def ended(self) -> list[tuple[str, str, int, str]]:
+        """Return the cases that ended since; a process that died or hangs fails its case."""
+        found = []
         try:
-            while self.pipe.poll():
+            while self.left and self.pipe.poll():
                 status, kind, seed, message = self.pipe.recv()
+                self.since = time.monotonic()
                 if status != "begins":
                     self.left = self.left[1:]
-                    return status, kind, seed, message
-                self.since = time.monotonic()
+                    found.append((status, kind, seed, message))
         except EOFError:
             self.process.join()
+            self.gone = True
+            found.append(("failed", *self.left[0], _death(self.process.exitcode)))
             self.left = self.left[1:]
-            return "failed", *case, f"the process died with {self.process.exitcode}"
-        if time.monotonic() - self.since > SECONDS:
+        if self.left and not self.gone and time.monotonic() - self.since > BLOCKED:
+            self.gone = True
+            found.append(("failed", *self.left[0], f"waited longer than {BLOCKED:g} s"))
+            self.left = self.left[1:]
+        if self.gone or not self.left:
+            self.gone = True
             self.process.kill()
             self.process.join()
-            self.left = self.left[1:]
-            return "failed", *case, f"took longer than {SECONDS:g} s"
-        return None
+            self.pipe.close()
+        return found
 
 
 def fuzz(cases: list[tuple[str, int]], jobs: int, sound: Path) -> list[tuple[str, str, int, str]]:
@@ -183,29 +192,23 @@ def fuzz(cases: list[tuple[str, int]], jobs: int, sound: Path) -> list[tuple[str
     workers: list[Worker] = []
     while waiting or workers:
         while waiting and len(workers) < jobs:
-            workers.append(Worker(waiting.pop(), sound))
+            workers.append(Worker(waiting.pop(0), sound))
         wait([worker.pipe for worker in workers], timeout=0.2)
         for worker in list(workers):
-            while worker.left and (ended := worker.ended()) is not None:
+            for ended in worker.ended():
                 found.append(ended)
                 if ended[0] == "failed":
                     print(f"FAILED {ended[1]}:{ended[2]} {ended[3]}", flush=True)
-                if not worker.process.is_alive() and not _pending(worker):
-                    break
-            if not worker.left or (not worker.process.is_alive() and not _pending(worker)):
-                worker.process.join()
-                worker.pipe.close()
+            if worker.gone:
                 workers.remove(worker)
-                if worker.left:
-                    waiting.append(worker.left)
+                waiting += [worker.left] if worker.left else []
     return found
 
 
-def _pending(worker: Worker) -> bool:
-    try:
-        return worker.pipe.poll()
-    except (OSError, EOFError):
-        return False
+def _death(code: int | None) -> str:
+    if code == -signal.SIGPROF:
+        return f"took more than {SECONDS:g} s of processor time"
+    return f"the process died with {code}"
 
 
 def main() -> int:
@@ -228,7 +231,7 @@ def main() -> int:
         sound_files_work(sound)
         kinds: Any = asked.kinds
         seeds = range(asked.first, asked.first + asked.cases)
-        begun = time.process_time(), time.monotonic()
+        begun = time.monotonic()
         found = fuzz([(kinds[k % len(kinds)], k) for k in seeds], asked.jobs, sound)
     spent = resource.getrusage(resource.RUSAGE_CHILDREN)
     counts = Counter((kind, status) for status, kind, *_ in found)
@@ -238,8 +241,9 @@ def main() -> int:
         ))  # fmt: skip
     failed = sum(status == "failed" for status, *_ in found)
     print(
-        f"{len(found)} cases, {failed} failed; {spent.ru_utime + spent.ru_stime:.0f} s of processor "
-        f"time, {time.monotonic() - begun[1]:.0f} s; largest process {spent.ru_maxrss / 2**20:.2f} GB"
+        f"{len(found)} cases, {failed} failed; {spent.ru_utime + spent.ru_stime:.0f} s of "
+        f"processor time, {time.monotonic() - begun:.0f} s; largest process "
+        f"{spent.ru_maxrss / 2**20:.2f} GB"
     )
     return 1 if failed or len(found) != asked.cases else 0
 

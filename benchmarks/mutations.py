@@ -69,7 +69,8 @@ URDF = """\
     <collision><origin xyz="0 0 0.2"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision>
   </link>
   <link name="hand">
-    <visual><geometry><cylinder radius="0.02" length="0.1"/></geometry><material name="red"/></visual>
+    <visual><geometry><cylinder radius="0.02" length="0.1"/></geometry>
+      <material name="red"/></visual>
     <collision><geometry><cylinder radius="0.02" length="0.1"/></geometry></collision>
   </link>
   <link name="tip"/>
@@ -155,7 +156,9 @@ SUITE: dict[str, Any] = {
 CSV = "x,y,z,qw,qx,qy,qz,ux,uy,uz\n" + "".join(
     f"{0.05 * k},{0.01 * k * k},0.3,1,0,0,0,1,0,0\n" for k in range(6)
 )
-GCODE = "%\nO1\nG21 G90 G17\nG0 X0 Y0 Z5\nG1 X10 F100\nG2 X20 Y10 I0 J10\nG3 X30 Y20 R10\nG1 Z9\nM30\n"
+GCODE = (
+    "%\nO1\nG21 G90 G17\nG0 X0 Y0 Z5\nG1 X10 F100\nG2 X20 Y10 I0 J10\nG3 X30 Y20 R10\nG1 Z9\nM30\n"
+)
 APT = "UNITS/MM\nMULTAX/ON\nGOTO/0,0,0,0,0,1\nGOTO/10,0,0,0,0,1\nGOTO/10,10,5,0,1,0\nFINI\n"
 FLAT = "solid a\n" + "".join(
     "facet normal 0 0 1\nouter loop\n"
@@ -166,7 +169,10 @@ FLAT = "solid a\n" + "".join(
         [(0, 0, 0), (0, 0.1, 0), (0, 0, 0.1)], [(0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)],
     )
 ) + "endsolid a\n"  # fmt: skip
-OBJ = "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\nf 1 2 3\nf 1/1 2/2 4/4\nf 1//1 3//1 4//1\nf -1 -2 -3\n"
+OBJ = (
+    "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
+    "f 1 2 3\nf 1/1 2/2 4/4\nf 1//1 3//1 4//1\nf -1 -2 -3\n"
+)
 DAE = """<?xml version="1.0"?>
 <COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
 <asset><unit name="millimeter" meter="0.001"/><up_axis>Z_UP</up_axis></asset>
@@ -176,7 +182,8 @@ DAE = """<?xml version="1.0"?>
 <vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
 <triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/>
 <p>0 1 2 0 1 3 0 2 3 1 2 3</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n"><matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>
+<library_visual_scenes><visual_scene id="s"><node id="n">
+<matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>
 <instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
 <scene><instance_visual_scene url="#s"/></scene></COLLADA>
 """

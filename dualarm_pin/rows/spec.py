@@ -20,13 +20,14 @@ from pydantic import Field
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.call import OwnFunction
+from dualarm_pin.files.numbers import Point
 from dualarm_pin.files.one_of import OneOf, one_of
 from dualarm_pin.rows.half_space import above, below, half_space
 from dualarm_pin.rows.row import Row
 from dualarm_pin.rows.table import row_table
 
 ROWS: Mapping[str, Callable[..., Row]] = {"above": above, "below": below, "half_space": half_space}
-Points = Annotated[list[Annotated[int, Field(ge=1)]], Field(min_length=1)]
+Points = Annotated[list[Point], Field(min_length=1)]
 
 
 @one_of(ROWS, without=("points", "name"))
