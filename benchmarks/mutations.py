@@ -63,7 +63,7 @@ URDF = """\
     <inertial><origin xyz="0 0 0.1" rpy="0 0 0"/><mass value="2.0"/>
       <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
     <visual><geometry><mesh filename="part.stl" scale="1 1 1"/></geometry></visual>
-    <collision><origin xyz="0 0 0.2"/><geometry><sphere radius="0.05"/></geometry></collision>
+    <collision><origin xyz="0 0 0.2"/><geometry><mesh filename="part.stl"/></geometry></collision>
   </link>
   <link name="fore">
     <collision><origin xyz="0 0 0.2"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision>
@@ -197,6 +197,8 @@ def binary_stl() -> bytes:
     return bytes(80) + struct.pack("<I", 4) + b"".join(rows)
 
 
+TIMES = [1, 1, 1, 2, 4]
+"""How often a file is changed: many times over it is refused for the first change it meets."""
 Chance = random.Random
 Maker = Callable[[Chance, Path], None]
 
@@ -239,6 +241,8 @@ def changed(chance: Chance, data: Any, pool: list[Any], *, leaves: bool = False)
         node[chance.choice(WORDS)] = node.pop(last)
     elif how < 0.25 and isinstance(node, list) and not leaves:
         node.insert(0, node[last])
+    elif how < 0.5 and isinstance(node[last], int | float):
+        node[last] *= chance.choice([-1, 0.5, 2, 10, 1000, 1.001])
     else:
         node[last] = chance.choice(pool)
     return data
@@ -252,7 +256,7 @@ def _at(data: Any, keys: Any) -> Any:
 
 def edited(chance: Chance, text: str, bits: list[str] = TEXT) -> str:
     """Return text that was cut, doubled, or into which something was put."""
-    for _ in range(chance.randint(1, 3)):
+    for _ in range(chance.choice(TIMES)):
         lines = text.split("\n")
         at, how = chance.randint(0, len(text)), chance.randrange(6)
         if how == 0:
@@ -279,7 +283,7 @@ def edited(chance: Chance, text: str, bits: list[str] = TEXT) -> str:
 def damaged(chance: Chance, data: bytes) -> bytes:
     """Return bytes with some flipped, cut, or filled in."""
     data = bytearray(data)
-    for _ in range(chance.randint(1, 4)):
+    for _ in range(chance.choice(TIMES)):
         at, how = chance.randrange(len(data) + 1), chance.randrange(4)
         if how == 0:
             data[at : at + 1] = bytes([chance.randrange(256)])
@@ -301,13 +305,13 @@ def yaml(chance: Chance, file: Path, data: Any, pool: list[Any] | None = None) -
     """Write broken YAML."""
     how = chance.random()
     if pool is not None:
-        for _ in range(chance.randint(1, 3)):
+        for _ in range(chance.choice(TIMES)):
             data = changed(chance, data, pool, leaves=True)
         put(file, json.dumps(data))
     elif how < 0.01:
         put(file, chance.choice([BOMB, KEY_BOMB, MERGE_BOMB]) + json.dumps(data))
     elif how < 0.65:
-        for _ in range(chance.randint(1, 3)):
+        for _ in range(chance.choice(TIMES)):
             data = changed(chance, data, NUMBERS + WORDS + THINGS)
         put(file, json.dumps(data, ensure_ascii=chance.random() < 0.8))
     else:
@@ -381,7 +385,7 @@ def make_result(chance: Chance, folder: Path) -> None:
         return
     if name == "result.json" and chance.random() < 0.7:
         data = json.loads(file.read_text())
-        for _ in range(chance.randint(1, 2)):
+        for _ in range(chance.choice(TIMES)):
             data = changed(chance, data, NUMBERS + WORDS + THINGS)
         put(file, json.dumps(data))
     elif chance.random() < 0.5:
