@@ -21,12 +21,14 @@ from dualarm_pin.answer.result_json import read_result_json, result_json
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.files.read import read_file
 from dualarm_pin.files.write import write_bytes
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
-_LARGEST = 2_000_000_000  # bytes of the arrays, unpacked
+_LARGEST_JSON = 50_000_000  # bytes; of the longest path 20 MB
+_LARGEST = 200_000_000  # bytes of the arrays, unpacked: a zip of 200 kB can stand for so many
 _DONE = ("method=null", "solver=null")  # have done their work: none of their code is needed
 _NOT_OURS = "not a result of this program"
 
@@ -108,12 +110,7 @@ def load_trajectory(folder: str | Path) -> Trajectory:
         InputError: Its files are damaged or do not fit together.
     """
     file, archive = Path(folder) / "result.json", Path(folder) / "trajectory.npz"
-    try:
-        text = file.read_bytes()
-    except OSError as error:
-        raise MissingFileError(
-            "no result here: give the folder that `solve --out` wrote", file=file
-        ) from error
+    text = read_file(file, _LARGEST_JSON, "give the folder that `solve --out` wrote")
     q, index, arc_length = _read_arrays(archive)
     try:
         return read_result_json(text, q, index, arc_length)
@@ -134,13 +131,14 @@ def load_trajectory(folder: str | Path) -> Trajectory:
 
 def _read_arrays(file: Path) -> tuple[Array, Array, Array]:
     try:
-        with zipfile.ZipFile(file) as archive:
-            if sum(part.file_size for part in archive.infolist()) > _LARGEST:
-                raise InputError(f"{_NOT_OURS}: its arrays are too large", file=file)
-        with np.load(file, allow_pickle=False) as arrays:
+        raw = io.BytesIO(read_file(file, _LARGEST, "its arrays stand beside result.json"))
+        with zipfile.ZipFile(raw) as archive:
+            unpacked = sum(part.file_size for part in archive.infolist())
+        if unpacked > _LARGEST:
+            message = f"{_NOT_OURS}: its arrays take {unpacked} bytes, {_LARGEST} are allowed"
+            raise InputError(message, file=file)
+        with np.load(raw, allow_pickle=False) as arrays:
             found = [arrays[name] for name in ("q", "index", "arc_length")]
-    except FileNotFoundError as error:
-        raise MissingFileError("no such file", file=file) from error
     except InputError:
         raise
     except Exception as error:  # a damaged archive fails anywhere in zipfile, zlib and numpy

@@ -17,6 +17,7 @@ from dualarm_pin.files.cell_spec import CellSpec
 from dualarm_pin.files.read_task import read_task
 from dualarm_pin.files.source import Key, Source, check, plain, read_yaml
 from dualarm_pin.robot.packages import find_file
+from dualarm_pin.robot.xml import parse_xml, read_bytes
 from dualarm_pin.task.spec import TaskSpec
 
 _NAMES_FILES = ("urdf", "srdf", "xacro", "package_dirs", "tip", "group")
@@ -97,11 +98,7 @@ def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
 
 def collision_meshes(urdf: Path) -> list[str]:
     """Return the names of the mesh files that a URDF checks for collisions."""
-    from lxml import etree
-
-    tree = etree.fromstring(
-        urdf.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True)
-    )
+    tree = parse_xml(read_bytes(urdf), urdf)
     names = [mesh.get("filename") for mesh in tree.iterfind(".//collision/geometry/mesh")]
     return sorted({name for name in names if name})
 

@@ -23,7 +23,8 @@ from ruamel.yaml.constructor import RoundTripConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode
 
-from dualarm_pin.errors import InputError, MissingFileError, nearest
+from dualarm_pin.errors import InputError, nearest
+from dualarm_pin.files.read import read_file
 
 SpecT = TypeVar("SpecT", bound="Spec")
 Key = str | int
@@ -147,21 +148,10 @@ def read_yaml(path: str | Path) -> Source:
 
     Raises:
         MissingFileError: There is no such file, or it cannot be read.
-        InputError: It is not text, not YAML, or not a mapping.
+        InputError: It is too large, not text, not YAML, or not a mapping.
     """
     path = Path(path)
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
-        raise MissingFileError(f"{reason}; give the path of a YAML file", file=path) from error
-    if len(raw) > _LARGEST:
-        raise InputError(
-            f"{len(raw)} bytes is too large for a YAML file: {_LARGEST} are allowed; points of a "
-            "path may stand in a CSV file",
-            file=path,
-        )
-    return parse_yaml(raw, path)
+    return parse_yaml(read_file(path, _LARGEST, "give the path of a YAML file"), path)
 
 
 def parse_yaml(raw: bytes | str, path: str | Path) -> Source:
