@@ -1,6 +1,6 @@
 """Result folders: a task as solved and the trajectory that answers it.
 
-A folder holds `task.yaml`, `trajectory.csv`, `trajectory.npz` (no pickle) and, written last,
+A folder holds `task.yaml`, `trajectory.csv`, `trajectory.npz` (no pickle) and
 `result.json`; scripts rely on their keys and columns.
 """
 
@@ -22,7 +22,7 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, MissingFileError
 from dualarm_pin.files.read import read_file
-from dualarm_pin.files.write import write_bytes
+from dualarm_pin.files.write import write_files
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
@@ -45,7 +45,7 @@ def save_result(folder: str | Path, task: Task, trajectory: Trajectory) -> None:
 
 
 def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None = None) -> None:
-    """Write a trajectory into a folder; each file appears whole or not at all.
+    """Write a trajectory into a folder; the old files stay until all new ones are on the disk.
 
     Args:
         folder: Where to.
@@ -70,8 +70,7 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
     }
     if task is not None:
         files = {"task.yaml": task.encode(), **files}
-    for name, data in files.items():
-        write_bytes(Path(folder) / name, data)
+    write_files(Path(folder), files)
 
 
 def load_result(folder: str | Path, *, allow_code: bool = False) -> tuple[Task, Trajectory]:

@@ -44,6 +44,7 @@ def solve(
     """
     from dualarm_pin.answer.folder import save_result
     from dualarm_pin.answer.summary import summary
+    from dualarm_pin.files.write import reserved
     from dualarm_pin.planners.methods import plan
     from dualarm_pin.solvers.solver import name_of
     from dualarm_pin.task import Task
@@ -51,7 +52,7 @@ def solve(
     loaded = Task.load(task, set_, allow_code=allow_code)
     how = method or name_of(loaded.method or "global")
     folder = out or Path("results") / f"{task.stem}-{how.replace(':', '-')}"
-    with TerminalProgress() as progress:
+    with reserved(folder), TerminalProgress() as progress:
         for warning in loaded.cell.warnings:
             progress.line(f"warning: {warning}")
         trajectory = plan(
@@ -64,7 +65,7 @@ def solve(
             jobs=jobs,
             progress=progress,
         )
-    save_result(folder, loaded, trajectory)
+        save_result(folder, loaded, trajectory)
     print(summary(loaded, trajectory))
     print(f"written to {folder}")
     if not trajectory.found:

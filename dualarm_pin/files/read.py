@@ -23,7 +23,7 @@ def read_file(path: Path, largest: int, hint: str) -> bytes:
     try:
         state = path.stat()
         if not stat.S_ISREG(state.st_mode):  # a pipe would block, a device never end
-            what = "is a folder" if stat.S_ISDIR(state.st_mode) else "is no plain file"
+            what = "is a directory" if stat.S_ISDIR(state.st_mode) else "is no plain file"
             raise MissingFileError(f"{what}: {hint}", file=path)
         size, raw = state.st_size, b""
         if size <= largest:
