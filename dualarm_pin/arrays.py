@@ -27,7 +27,7 @@ def numbers(value: ArrayLike, field: str) -> Array:
     """
     try:
         return np.array(value, dtype=np.float64)
-    except (TypeError, ValueError) as error:
+    except (TypeError, ValueError, OverflowError) as error:
         raise ShapeError(f"an array of numbers is expected: {error}", field=field) from error
 
 

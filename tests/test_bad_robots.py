@@ -213,11 +213,6 @@ REFUSED: dict[str, tuple[str | bytes, tuple[str, ...], str | None]] = {
         ("joint 'slide'", "no usable bounds", "`limits`"),
         'name="slide"',
     ),
-    "negative mass": (
-        swap('<mass value="2.0"/>', '<mass value="-2.0"/>'),
-        ("link 'upper'", "mass -2 kg is negative"),
-        "<inertial>",
-    ),
     "mass in words": (
         swap('<mass value="2.0"/>', '<mass value="two"/>'),
         ("link 'upper'", "'two' is not a number"),
@@ -333,6 +328,7 @@ WORKS: dict[str, str] = {
     "names with slashes": SOUND.replace('"fore"', '"/arm/fore"').replace('"elbow"', '"/elbow"'),
     "names with spaces and signs": SOUND.replace('"fore"', '"für &amp; wider &lt;1&gt;"'),
     "missing mesh": swap(MESH, '<geometry><mesh filename="package://none/a.stl"/></geometry>'),
+    "negative mass": swap('<mass value="2.0"/>', '<mass value="-2.0"/>'),
     "no inertia": swap('<inertia ixx="0.1"', '<inertia ixx_="0.1"'),
     "undeclared prefix": swap('<link name="tip"/>', '<link name="tip"/><sensor:gazebo a="1"/>'),
     "foreign elements": swap('<link name="tip"/>', '<link name="tip"/><gazebo/><transmission/>'),
@@ -366,6 +362,14 @@ def test_endless_bounds_become_a_finite_interval_with_a_warning(tmp_path: Path) 
     assert cell.joints[1].continuous
     assert cell.upper[1] == pytest.approx(2 * np.pi)
     assert any("arm1/elbow: its bounds are absurdly wide" in w for w in cell.warnings)
+
+
+def test_a_negative_mass_is_a_warning_and_no_inertia(tmp_path: Path) -> None:
+    cell = pair(write(tmp_path, WORKS["negative mass"]))
+    line = line_of(SOUND, "<inertial>")
+    warning = f"small.urdf:{line}: link 'upper': mass -2 kg is negative"
+    assert sum(w.startswith(warning) for w in cell.warnings) == 1
+    assert "arm1/upper" in cell.links_without_inertia
 
 
 MESHES: dict[str, bytes] = {

@@ -377,6 +377,50 @@ def test_xacro_is_expanded(folder: Path) -> None:
         load(folder, named)
 
 
+@pytest.mark.parametrize(
+    ("expression", "what"),
+    [
+        ("$(eval __builtins__)", "__builtins__"),
+        ("${(lambda: ().__class__.__base__.__subclasses__())()}", "lambda"),
+        ("${[x for x in (1, 2)]}", "listcomp"),
+        ("${'%s'.format(1)}", "a call of format"),
+        ("${python.type(1)}", "a call of type"),
+        ("${9 ** 9 ** 9}", "a power above 64"),
+        ("${1 &lt;&lt; 9}", "<<"),
+        ("${factorial(10 ** 7)}", "a call of factorial"),
+        ("$(env HOME)", "not read"),
+        ("${xacro.load_yaml('/dev/zero')}", "is no file"),
+    ],
+)
+def test_xacro_runs_no_code(folder: Path, expression: str, what: str) -> None:
+    pytest.importorskip("xacrodoc")
+    (folder / "arm.xacro").write_text(
+        SOUND.replace(
+            '<robot name="small">',
+            '<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+            f'<xacro:property name="a" value="{expression}"/><link name="${{a}}"/>',
+        )
+    )
+    with pytest.raises(InputError, match=r"arm\.xacro: xacro cannot expand") as caught:
+        load(folder, PAIR.replace("small.urdf", "arm.xacro"))
+    assert what in str(caught.value)
+
+
+def test_xacro_takes_arithmetic_and_harmless_functions(folder: Path) -> None:
+    pytest.importorskip("xacrodoc")
+    (folder / "sizes.yaml").write_text("arm: {length: 0.4}\n")
+    text = SOUND.replace(
+        '<robot name="small">',
+        '<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+        f"""<xacro:property name="sizes" value="${{xacro.load_yaml('{folder}/sizes.yaml')}}"/>""",
+    ).replace('xyz="0 0 0.4"', """xyz="0 0 ${sizes['arm']['length'] * max(cos(0), -1.0) ** 2}\"""")
+    (folder / "arm.xacro").write_text(text)
+    cell = load(folder, PAIR.replace("small.urdf", "arm.xacro"))
+    plain = load(folder, PAIR)
+    q = np.full(6, 0.1)
+    np.testing.assert_array_equal(at(cell, q).translation, at(plain, q).translation)
+
+
 def test_xacro_finds_packages_by_our_own_rule(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

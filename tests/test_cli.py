@@ -129,7 +129,7 @@ COMMANDS = {
     ),
     "no such option": (("solve", TASK, "--efort", "quick"), "efort"),
     "no such command": (("solv",), "solv"),
-    "starts": (("solve", TASK, "--starts", "0"), "--starts: at least 1 is expected"),
+    "starts": (("solve", TASK, "--starts", "0"), "--starts: 1 to 1000000 is expected"),
     "seed": (("solve", TASK, "--seed", "-1"), "--seed: 0 or more"),
     "bad --set": (("solve", TASK, "--set", "smoothness"), "give key=value"),
     "unknown --set": (("solve", TASK, "--set", "smothness=3"), "unknown key"),

@@ -76,7 +76,7 @@ def _line(program):
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (["nowhere"], "nowhere/result.json: no result here: give the folder that `solve --out`"),
+        (["nowhere"], "nowhere/result.json: no such file: give the folder that `solve --out`"),
         ([], "RESULT"),
         (["{0}", "--port", "70000", "--no-browser"], "--port: port 70000 cannot be used"),
         (["{0}", "--html", "{0}/result.json/x.html"], "x.html: cannot write here"),

@@ -178,7 +178,7 @@ def test_nothing_is_written_when_packing_fails(
 
 
 def test_a_folder_without_a_result_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(MissingFileError, match=r"result\.json: no result here"):
+    with pytest.raises(MissingFileError, match=r"result\.json: no such file: give the folder"):
         load_trajectory(tmp_path)
 
 

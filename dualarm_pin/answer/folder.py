@@ -1,6 +1,6 @@
 """Result folders: a task as solved and the trajectory that answers it.
 
-A folder holds `task.yaml`, `trajectory.csv`, `trajectory.npz` (no pickle) and, written last,
+A folder holds `task.yaml`, `trajectory.csv`, `trajectory.npz` (no pickle) and
 `result.json`; scripts rely on their keys and columns.
 """
 
@@ -20,11 +20,13 @@ from dualarm_pin.answer.result_json import read_result_json, result_json
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import InputError, MissingFileError
 from dualarm_pin.files.npz import npz_bytes, read_npz
-from dualarm_pin.files.write import write_bytes
+from dualarm_pin.files.read import read_file
+from dualarm_pin.files.write import write_files
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
+_LARGEST_JSON = 50_000_000  # bytes; of the longest path 20 MB
 _DONE = ("method=null", "solver=null")  # have done their work: none of their code is needed
 _NOT_OURS = "not a result of this program"
 
@@ -41,7 +43,7 @@ def save_result(folder: str | Path, task: Task, trajectory: Trajectory) -> None:
 
 
 def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None = None) -> None:
-    """Write a trajectory into a folder; each file appears whole or not at all.
+    """Write a trajectory into a folder; the old files stay until all new ones are on the disk.
 
     Args:
         folder: Where to.
@@ -60,8 +62,7 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
     }
     if task is not None:
         files = {"task.yaml": task.encode(), **files}
-    for name, data in files.items():
-        write_bytes(Path(folder) / name, data)
+    write_files(Path(folder), files)
 
 
 def load_result(
@@ -103,12 +104,7 @@ def load_trajectory(folder: str | Path) -> Trajectory:
         InputError: Its files are damaged or do not fit together.
     """
     file, archive = Path(folder) / "result.json", Path(folder) / "trajectory.npz"
-    try:
-        text = file.read_bytes()
-    except OSError as error:
-        raise MissingFileError(
-            "no result here: give the folder that `solve --out` wrote", file=file
-        ) from error
+    text = read_file(file, _LARGEST_JSON, "give the folder that `solve --out` wrote")
     arrays = read_npz(archive, {"q": 2, "index": 1, "arc_length": 1}, what="a trajectory")
     try:
         return read_result_json(text, **arrays)

@@ -11,12 +11,13 @@ from typing import Any
 
 from dualarm_pin.bench.run import InputHashes, digest
 from dualarm_pin.cell import Cell
-from dualarm_pin.errors import DualArmError
+from dualarm_pin.errors import DualArmError, MissingFileError
 from dualarm_pin.files.call import calls_of, module_file, refuse_calls
 from dualarm_pin.files.cell_spec import CellSpec
 from dualarm_pin.files.read_task import read_task
-from dualarm_pin.files.source import Key, Source, check, plain
+from dualarm_pin.files.source import Key, Source, check, plain, read_yaml
 from dualarm_pin.robot.packages import find_file
+from dualarm_pin.robot.xml import parse_xml, read_bytes
 from dualarm_pin.task.spec import TaskSpec
 
 _NAMES_FILES = ("urdf", "srdf", "xacro", "package_dirs", "tip", "group")
@@ -28,6 +29,7 @@ class Fingerprints:
 
     def __init__(self) -> None:
         self._robots: dict[str, dict[Path, str]] = {}
+        self._read = lru_cache(maxsize=256)(read_yaml)  # each variant changes a copy
 
     def read(self, file: Path, changes: Sequence[str], *, allow_code: bool = False) -> InputHashes:
         """Check a variant of a task and return its fingerprints; none of its code is imported.
@@ -35,7 +37,7 @@ class Fingerprints:
         Raises:
             InputError: The task, the cell or a change is wrong.
         """
-        task, cell, keys = read_task(file, changes)
+        task, cell, keys = read_task(file, changes, self._read)
         refuse_calls(task, allow_code=allow_code)
         check(task, TaskSpec)
         check(cell, CellSpec, keys)
@@ -96,11 +98,7 @@ def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
 
 def collision_meshes(urdf: Path) -> list[str]:
     """Return the names of the mesh files that a URDF checks for collisions."""
-    from lxml import etree
-
-    tree = etree.fromstring(
-        urdf.read_bytes(), etree.XMLParser(resolve_entities=False, no_network=True)
-    )
+    tree = parse_xml(read_bytes(urdf), urdf)
     names = [mesh.get("filename") for mesh in tree.iterfind(".//collision/geometry/mesh")]
     return sorted({name for name in names if name})
 
@@ -109,10 +107,13 @@ def file_digest(path: Path) -> str:
     """Return the sha256 of a file; read again only when its time or size changed.
 
     Raises:
-        OSError: It cannot be read.
+        MissingFileError: It cannot be read.
     """
-    state = path.stat()
-    return _file_digest(path, state.st_mtime_ns, state.st_size)
+    try:
+        state = path.stat()
+        return _file_digest(path, state.st_mtime_ns, state.st_size)
+    except (OSError, ValueError) as error:
+        raise MissingFileError(f"cannot be read: {error}", file=path) from error
 
 
 @lru_cache(maxsize=4096)

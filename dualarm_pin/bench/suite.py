@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import glob
 import itertools
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -20,7 +21,8 @@ from dualarm_pin.files.suite_spec import MethodEntry, OverridesSpec, StepsSpec, 
 from dualarm_pin.planners.methods import EFFORTS, METHODS
 
 _Task = tuple[Path, OverridesSpec, Sequence[Key]]
-_MOST_RUNS = 1_000_000  # more is a slip in a grid, and they are all held in memory
+_MOST_RUNS = 100_000  # more is a slip in a grid, and they are all held in memory
+_MOST_VARIANTS = 10_000  # of a task; each is read and checked before the first run
 
 
 @dataclass(frozen=True)
@@ -62,6 +64,7 @@ class Suite:
         spec = check(source, SuiteSpec)
         tasks = dict(_tasks(source, spec))
         methods = list(_methods(source, spec))
+        _refuse_too_many(source, spec, tasks, methods)
         runs = tuple(_runs(source, spec, tasks, methods, allow_code))
         names = list(tasks), [method.name for method, _ in methods]
         gates = []
@@ -129,6 +132,33 @@ def _known(
         raise source.error(f"unknown {field} {given!r}: {nearest(given, known)}", where)
 
 
+def _refuse_too_many(
+    source: Source,
+    spec: SuiteSpec,
+    tasks: Mapping[str, _Task],
+    methods: Sequence[tuple[Method, MethodEntry]],
+) -> None:
+    """Count the runs without making them.
+
+    Raises:
+        InputError: There are more than a suite may have.
+    """
+    variants = 0
+    for name, (_, own, _) in tasks.items():
+        count = math.prod(len(axis) for axis in _axes(spec.overrides, own))
+        if count > _MOST_VARIANTS:
+            message = (
+                f"{count} variants of {name!r}: {_MOST_VARIANTS} are allowed, divide the suite"
+            )
+            raise source.error(message, ["overrides"])
+        variants += count
+    seeds = (spec.seeds if entry.seeds is None else entry.seeds for _, entry in methods)
+    runs = variants * sum(each if isinstance(each, int) else len(each) for each in seeds)
+    if runs > _MOST_RUNS:
+        message = f"{runs} runs: {_MOST_RUNS} are allowed, divide the suite"
+        raise source.error(message, ["seeds"])
+
+
 def _runs(
     source: Source,
     spec: SuiteSpec,
@@ -151,10 +181,6 @@ def _runs(
             for method, entry in methods:
                 seeds = spec.seeds if entry.seeds is None else entry.seeds
                 for seed in range(seeds) if isinstance(seeds, int) else seeds:
-                    if len(taken) == _MOST_RUNS:
-                        raise source.error(
-                            f"more than {_MOST_RUNS} runs: divide the suite", ["tasks"]
-                        )
                     run = BenchRun(
                         task=name,
                         file=str(file.resolve()),
@@ -178,11 +204,15 @@ def _runs(
 
 def _variants(suite: OverridesSpec, task: OverridesSpec) -> Iterator[Mapping[str, Any]]:
     """Every combination of the suite's and the task's grids and lists."""
+    for parts in itertools.product(*_axes(suite, task)):
+        yield {key: value for part in parts for key, value in part.items()}
+
+
+def _axes(suite: OverridesSpec, task: OverridesSpec) -> list[Sequence[Mapping[str, Any]]]:
+    """Return the changes along each axis of the grids, and the lists."""
     grids = suite.grid | task.grid
-    axes = [
+    axes: list[Sequence[Mapping[str, Any]]] = [
         [{key: value} for value in (steps.values if isinstance(steps, StepsSpec) else steps)]
         for key, steps in grids.items()
     ]
-    lists = [entry.variants for entry in (suite, task) if entry.variants]
-    for parts in itertools.product(*axes, *lists):
-        yield {key: value for part in parts for key, value in part.items()}
+    return axes + [entry.variants for entry in (suite, task) if entry.variants]

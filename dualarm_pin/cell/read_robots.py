@@ -13,7 +13,7 @@ from dualarm_pin.cell.parts import ARMS
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import ArmSpec, CellSpec
 from dualarm_pin.files.source import Key, Source, Spec, check
-from dualarm_pin.robot.packages import find_file
+from dualarm_pin.robot.packages import find_file, is_folder
 from dualarm_pin.robot.read_urdf import parse_urdf
 from dualarm_pin.robot.robot import Robot
 from dualarm_pin.robot.srdf import Srdf, read_srdf
@@ -121,7 +121,7 @@ def read_robots(loader: Loader) -> tuple[dict[str, Chains], dict[str, Srdf]]:
     loader.warnings += [
         f"package_dirs: {folder} is no folder"
         for folder in loader.package_dirs
-        if not folder.is_dir()
+        if not is_folder(folder)
     ]
     return _read_each(loader) if loader.spec.urdf is None else _read_both(loader)
 

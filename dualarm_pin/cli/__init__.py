@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 import os
 import sys
 from collections.abc import Sequence
@@ -10,9 +11,11 @@ from typing import NoReturn
 import cyclopts
 
 from dualarm_pin import __version__
+from dualarm_pin.cli.stopping import stoppable
 from dualarm_pin.errors import DualArmError
 
-DONE, NOT_FOUND, BAD_INPUT, INTERRUPTED = 0, 1, 2, 130  # exit codes; 130 is a shell's for Ctrl-C
+DONE, NOT_FOUND, BAD_INPUT = 0, 1, 2  # exit codes
+INTERRUPTED, TERMINATED = 130, 143  # as shells have them, for Ctrl-C and SIGTERM
 
 app = cyclopts.App(
     name="dualarm-pin",
@@ -28,7 +31,19 @@ for _name in ("paper", "check", "solve", "motion", "view", "bench"):
 
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
-    """Run the command line and exit: 0 done and verified, 1 not found, 2 wrong input."""
+    """Run the command line and exit: 0 done and verified, 1 not found, 2 wrong input.
+
+    Stopped before there was anything to keep: 130 by Ctrl-C, 143 by SIGTERM.
+    """
+    for stream in (sys.stdout, sys.stderr):  # a name that is no text must not end the program
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
+    with stoppable() as terminated:
+        code = _run(arguments)
+        sys.exit(TERMINATED if code == INTERRUPTED and terminated else code)
+
+
+def _run(arguments: Sequence[str] | None) -> int:
     try:
         code = app(arguments)
         sys.stdout.flush()
@@ -44,7 +59,13 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
     except BrokenPipeError:  # the reader, such as `head`, has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), 1)
         code = DONE
-    sys.exit(code if isinstance(code, int) else DONE)
+    except MemoryError:
+        _complain("the memory is full: take fewer points, starts or jobs")
+        code = BAD_INPUT
+    except OSError as error:  # such as a full disk behind stdout
+        _complain(str(error))
+        code = BAD_INPUT
+    return code if isinstance(code, int) else DONE
 
 
 def _complain(message: str) -> None:

@@ -32,6 +32,7 @@ def motion(
         allow_code: Import and run the functions that the task names with `call`.
     """
     from dualarm_pin.answer.folder import load_result
+    from dualarm_pin.files.write import reserved
     from dualarm_pin.motion.make import make_motion
     from dualarm_pin.motion.text import motion_text
 
@@ -41,8 +42,9 @@ def motion(
     if feed is not None:
         changes.append(f"motion.feed={feed!r}")
     task, trajectory = load_result(result, changes, allow_code=allow_code)
-    made = make_motion(task, trajectory)
-    made.write(result)
+    with reserved(result):
+        made = make_motion(task, trajectory)
+        made.write(result)
     print(motion_text(made))
     print(f"written to {result}")
     return DONE

@@ -44,6 +44,7 @@ def solve(
     """
     from dualarm_pin.answer.folder import save_result
     from dualarm_pin.answer.summary import summary
+    from dualarm_pin.files.write import reserved
     from dualarm_pin.motion.limits import limits_of
     from dualarm_pin.motion.make import make_motion
     from dualarm_pin.motion.text import motion_text
@@ -56,7 +57,7 @@ def solve(
         limits_of(loaded.cell, loaded.motion.limits)  # what is missing is said before the search
     how = method or name_of(loaded.method or "global")
     folder = out or Path("results") / f"{task.stem}-{how.replace(':', '-')}"
-    with TerminalProgress() as progress:
+    with reserved(folder), TerminalProgress() as progress:
         for warning in loaded.cell.warnings:
             progress.line(f"warning: {warning}")
         trajectory = plan(
@@ -69,11 +70,13 @@ def solve(
             jobs=jobs,
             progress=progress,
         )
-    save_result(folder, loaded, trajectory)
+        save_result(folder, loaded, trajectory)
+        made = None
+        if loaded.motion is not None and trajectory.found:
+            made = make_motion(loaded, trajectory)
+            made.write(folder)
     print(summary(loaded, trajectory))
-    if loaded.motion is not None and trajectory.found:
-        made = make_motion(loaded, trajectory)
-        made.write(folder)
+    if made is not None:
         print(motion_text(made))
     print(f"written to {folder}")
     if not trajectory.found:

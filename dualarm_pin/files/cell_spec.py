@@ -9,9 +9,8 @@ import pinocchio as pin
 from pydantic import AfterValidator, Field, model_validator
 
 from dualarm_pin.arrays import rotations
+from dualarm_pin.files.numbers import Number, Positive, Vector
 from dualarm_pin.files.source import Spec
-
-Vector = tuple[float, float, float]
 
 
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
@@ -26,9 +25,8 @@ def _unit(vector: Vector) -> Vector:
     return vector
 
 
-Bounds = Annotated[tuple[float, float], AfterValidator(_ascending)]
+Bounds = Annotated[tuple[Number, Number], AfterValidator(_ascending)]
 Direction = Annotated[Vector, AfterValidator(_unit)]
-Positive = Annotated[float, Field(gt=0)]
 
 
 MOTION_LIMITS = {
@@ -84,8 +82,8 @@ class JointSettings(Spec):
     jerk: dict[str, Positive] = Field(default_factory=dict)
     jerk_deg_s3: dict[str, Positive] = Field(default_factory=dict)
     torque: dict[str, Positive] = Field(default_factory=dict)
-    lock: dict[str, float] = Field(default_factory=dict)
-    lock_deg: dict[str, float] = Field(default_factory=dict)
+    lock: dict[str, Number] = Field(default_factory=dict)
+    lock_deg: dict[str, Number] = Field(default_factory=dict)
 
     @model_validator(mode="before")
     @classmethod

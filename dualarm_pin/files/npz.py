@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.errors import InputError
+from dualarm_pin.files.read import read_file
 
-_LARGEST = 2_000_000_000  # bytes of the arrays, unpacked
+_LARGEST = 200_000_000  # bytes of the arrays, unpacked: a zip of 200 kB can stand for so many
 
 
 def npz_bytes(arrays: Mapping[str, Array], joints: tuple[str, ...]) -> bytes:
@@ -37,13 +38,14 @@ def read_npz(file: Path, axes: Mapping[str, int], *, what: str) -> dict[str, Arr
         InputError: It is damaged or too large, or an array is missing or of another kind.
     """
     try:
-        with zipfile.ZipFile(file) as archive:
-            if sum(part.file_size for part in archive.infolist()) > _LARGEST:
-                raise InputError(f"not {what} of this program: its arrays are too large", file=file)
-        with np.load(file, allow_pickle=False) as arrays:
+        raw = io.BytesIO(read_file(file, _LARGEST, "its arrays stand beside result.json"))
+        with zipfile.ZipFile(raw) as archive:
+            unpacked = sum(part.file_size for part in archive.infolist())
+        if unpacked > _LARGEST:
+            message = f"its arrays take {unpacked} bytes, {_LARGEST} are allowed"
+            raise InputError(f"not {what} of this program: {message}", file=file)
+        with np.load(raw, allow_pickle=False) as arrays:
             found = {name: arrays[name] for name in axes}
-    except FileNotFoundError as error:
-        raise MissingFileError("no such file", file=file) from error
     except InputError:
         raise
     except Exception as error:  # a damaged archive fails anywhere in zipfile, zlib and numpy

@@ -102,7 +102,7 @@ def one_of(
     def complete(section: type[OneT]) -> type[OneT]:
         section.table = table
         fields: dict[str, Any] = {
-            name: (spec_of(function, beside, without) | None, None)
+            name: (spec_of(function, beside, without, bounded=True) | None, None)
             for name, function in table.items()
         }
         made: Any = create_model(section.__name__, __base__=section, **fields)

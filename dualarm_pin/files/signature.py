@@ -27,10 +27,10 @@ from typing import (
 from pydantic import ConfigDict, Field, TypeAdapter, create_model, model_validator
 from pydantic.errors import PydanticSchemaGenerationError, PydanticUserError
 
+from dualarm_pin.files.numbers import MOST_POINTS, Number, Positive, Whole
 from dualarm_pin.files.source import Spec
 
-Count = Annotated[int, Field(ge=2, le=1_000_000)]
-Length = Annotated[float, Field(gt=0)]
+Count = Annotated[int, Field(ge=2, le=MOST_POINTS)]
 _DEG = "_deg"
 _NAMES_A_FILE = str | Path
 
@@ -69,7 +69,7 @@ class _Sampled(ArgumentsSpec):
     """Where a curve gets its points: exactly one of the two."""
 
     points: Count | None = None
-    step: Length | None = None
+    step: Positive | None = None
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:
@@ -111,6 +111,8 @@ def spec_of(
     function: Callable[..., Any],
     beside: type[Spec] | None = None,
     without: tuple[str, ...] = (),
+    *,
+    bounded: bool = False,
 ) -> type[ArgumentsSpec]:
     """Return the specification of a function's arguments.
 
@@ -119,6 +121,7 @@ def spec_of(
             alternatives.
         beside: Keys that stand among the arguments and are checked as this says.
         without: Arguments that do not come from this place of the file.
+        bounded: Plain numbers are lengths and the like, which have a largest value.
     """
     hints = _hints(function)
     fields: dict[str, Any] = {}
@@ -129,7 +132,7 @@ def spec_of(
         if parameter.kind is parameter.VAR_KEYWORD:
             bases += _base_of_keywords(hint)
         elif parameter.kind is not parameter.VAR_POSITIONAL and parameter.name not in without:
-            key, kind = _in_file(parameter.name, hint)
+            key, kind = _in_file(parameter.name, hint, bounded)
             fields[key] = (kind, ... if parameter.default is parameter.empty else parameter.default)
     if {"points", "step"} <= fields.keys():
         bases.append(_Resampled)
@@ -159,15 +162,17 @@ def _base_of_keywords(hint: Any) -> Collection[type[ArgumentsSpec]]:
     return [_Sampled] if "points" in get_type_hints(get_args(hint)[0]) else []
 
 
-def _in_file(name: str, hint: Any) -> tuple[str, Any]:
+def _in_file(name: str, hint: Any, bounded: bool) -> tuple[str, Any]:
     """Return the key of an argument and the type that pydantic reads."""
     for extra in get_args(hint)[1:] if get_origin(hint) is Annotated else ():
         if isinstance(extra, InFile):
             return (name + _DEG if extra.degrees else name), extra.kind
     if name in ("points", "step"):
-        return name, (Count if name == "points" else Length) | None
+        return name, (Count if name == "points" else Positive) | None
     if hint == _NAMES_A_FILE:
         return name, str
+    if bounded and hint in (int, float):
+        return name, Number if hint is float else Whole
     try:
         TypeAdapter(hint)
     except (PydanticSchemaGenerationError, PydanticUserError):  # an array, or a class of theirs

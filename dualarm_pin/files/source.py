@@ -1,31 +1,37 @@
 """Read YAML from users and check it, with the line of every mistake.
 
 YAML 1.2 through ruamel.yaml: no code is run, duplicate keys are errors, and every key keeps its
-line. Pydantic models then check names, types and ranges; all mistakes are reported at once.
+line. What the text stands for is looked at before it is made: a small file of aliases of aliases
+can stand for billions of values. Pydantic models then check names, types and ranges; all mistakes
+are reported at once.
 """
 
 from __future__ import annotations
 
-import copy
-import math
+import re
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, TypeVar, get_args
+from typing import Any, NoReturn, TypeVar, get_args
 
 from pydantic import BaseModel, ConfigDict, ValidationError
 from ruamel.yaml import YAML
-from ruamel.yaml.comments import CommentedMap
+from ruamel.yaml.comments import CommentedBase, CommentedMap
+from ruamel.yaml.constructor import RoundTripConstructor
 from ruamel.yaml.error import MarkedYAMLError, YAMLError
+from ruamel.yaml.nodes import MappingNode, Node, ScalarNode
 
-from dualarm_pin.errors import InputError, MissingFileError, nearest
+from dualarm_pin.errors import InputError, nearest
+from dualarm_pin.files.read import read_file
 
 SpecT = TypeVar("SpecT", bound="Spec")
 Key = str | int
-_MOST_VALUES = 1_000_000  # aliases of aliases in a small file can stand for billions
-_LARGEST = 20_000_000  # bytes; a YAML file beyond this is a mistake
+_MOST_VALUES = 1_000_000  # aliases unfolded
+DEEPEST = 50  # lists and mappings in each other; every one costs frames of Python's stack
+_LARGEST = 1_000_000  # bytes: eight seconds of reading
+_SURROGATE = re.compile("[\ud800-\udfff]")  # half a character: it cannot be written as UTF-8
 
 
 @dataclass(frozen=True)
@@ -42,18 +48,21 @@ class Change:
     value: Any
     text: str
 
-    def apply(self, data: Any) -> None:
-        """Set the field in the data of a file, and make the mappings that lead to it.
+    def applied(self, data: Any) -> Any:
+        """Return the data of a file with the field set, in mappings that are made where needed.
+
+        What does not lead to the field is shared with `data`, which stays as it is.
 
         Raises:
             InputError: There is no such place.
         """
         field = f"--set {self.text}"
-        node = data
+        node = data = _copied(data)
         for position, key in enumerate(self.keys[:-1], 1):
             try:
                 if isinstance(node, dict) and not isinstance(node.get(key), dict | list):
                     node[key] = CommentedMap()
+                node[key] = _copied(node[key])
                 node = node[key]
             except (KeyError, IndexError, TypeError) as error:
                 known = ".".join(map(str, self.keys[:position]))
@@ -62,6 +71,15 @@ class Change:
             node[self.keys[-1]] = self.value
         except (IndexError, TypeError) as error:
             raise InputError("there is no such place", field=field) from error
+        return data
+
+
+def _copied(node: Any) -> Any:
+    """Return a list or mapping of a file with the same values and lines."""
+    copied = type(node)(node)
+    if isinstance(node, CommentedBase):
+        node.copy_attributes(copied)
+    return copied
 
 
 class Spec(BaseModel):
@@ -89,9 +107,9 @@ class Source:
 
     def changed(self, changes: Sequence[Change]) -> Source:
         """Return this file with other values at some places; it keeps its own."""
-        data = copy.deepcopy(self.data)
+        data = self.data
         for change in changes:
-            change.apply(data)
+            data = change.applied(data)
         return Source(self.path, data)
 
     def line(self, keys: Sequence[Key]) -> int | None:
@@ -130,17 +148,10 @@ def read_yaml(path: str | Path) -> Source:
 
     Raises:
         MissingFileError: There is no such file, or it cannot be read.
-        InputError: It is not text, not YAML, or not a mapping.
+        InputError: It is too large, not text, not YAML, or not a mapping.
     """
     path = Path(path)
-    try:
-        raw = path.read_bytes()
-    except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
-        raise MissingFileError(f"{reason}; give the path of a YAML file", file=path) from error
-    if len(raw) > _LARGEST:
-        raise InputError(f"{len(raw)} bytes is too large for a YAML file", file=path)
-    return parse_yaml(raw, path)
+    return parse_yaml(read_file(path, _LARGEST, "give the path of a YAML file"), path)
 
 
 def parse_yaml(raw: bytes | str, path: str | Path) -> Source:
@@ -156,7 +167,7 @@ def parse_yaml(raw: bytes | str, path: str | Path) -> Source:
         message = f"byte {error.start} is not UTF-8: save the file as UTF-8"
         raise InputError(message, file=path) from error
     try:
-        data = YAML(typ="rt", pure=True).load(text)
+        data = yaml_of(text)
     except MarkedYAMLError as error:
         mark = error.problem_mark or error.context_mark
         line = None if mark is None else mark.line + 1
@@ -164,23 +175,58 @@ def parse_yaml(raw: bytes | str, path: str | Path) -> Source:
         raise InputError(f"not valid YAML: {reason}", file=path, line=line) from error
     except (YAMLError, ValueError, RecursionError) as error:
         raise InputError(f"not valid YAML: {str(error).splitlines()[0]}", file=path) from error
-    if _size(data, {}) > _MOST_VALUES:
-        raise InputError("its aliases unfold to too many values, or to themselves", file=path)
     if not isinstance(data, dict):
         given = "an empty file" if data is None else f"a {type(data).__name__}"
         raise InputError(f"{given} where keys and values are expected", file=path, line=1)
     return Source(path, data)
 
 
-def _size(node: Any, known: dict[int, float]) -> float:
-    """Return how many values a node unfolds to; infinite for one that holds itself."""
-    if not isinstance(node, dict | list):
-        return 1
-    if id(node) not in known:
-        known[id(node)] = math.inf  # until it is counted, so that a circle shows
-        parts = node.values() if isinstance(node, dict) else node
-        known[id(node)] = 1 + sum(_size(part, known) for part in parts)
-    return known[id(node)]
+def yaml_of(text: str) -> Any:
+    """Return what YAML text holds, in ruamel's round-trip containers.
+
+    Raises:
+        YAMLError: It is not YAML, or stands for more than a file of ours ever does.
+        ValueError: A number is too long.
+        RecursionError: It is nested too deep to be read.
+    """
+    yaml = YAML(typ="rt", pure=True)
+    yaml.Constructor = _Limited
+    return yaml.load(text)
+
+
+class _Limited(RoundTripConstructor):
+    """Looks at the nodes of a text before it makes values of them."""
+
+    def construct_document(self, node: Node) -> Any:
+        if _extent(node, 1, {})[0] > _MOST_VALUES:
+            _refuse(node, f"aliases that unfold to more than {_MOST_VALUES} values")
+        return super().construct_document(node)
+
+
+def _extent(node: Node, depth: int, known: dict[int, tuple[int, int]]) -> tuple[int, int]:
+    """Return how many values a node at this depth unfolds to, and how deep they are nested."""
+    if isinstance(node, ScalarNode):
+        if _SURROGATE.search(node.value):
+            _refuse(node, "half a character (a lone surrogate): write the character itself")
+        return 1, 1
+    if id(node) not in known and depth <= DEEPEST:  # deeper: perhaps in itself
+        parts = node.value
+        if isinstance(node, MappingNode):
+            for key, _ in parts:
+                if not isinstance(key, ScalarNode):
+                    _refuse(key, "a list or a mapping as a key: a key is a word or a number")
+            parts = [part for pair in parts for part in pair]
+        inside = [_extent(part, depth + 1, known) for part in parts]
+        sizes, heights = zip((0, 0), *inside, strict=True)
+        known[id(node)] = 1 + sum(sizes), 1 + max(heights)
+    size, height = known.get(id(node), (1, DEEPEST))
+    if depth + height - 1 > DEEPEST:
+        _refuse(node, f"nested more than {DEEPEST} deep, or in itself")
+    return size, height
+
+
+def _refuse(node: Node, problem: str) -> NoReturn:
+    raise MarkedYAMLError(problem=problem, problem_mark=node.start_mark)
 
 
 def check(source: Source, spec: type[SpecT], keys: Sequence[Key] = ()) -> SpecT:

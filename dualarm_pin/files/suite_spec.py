@@ -6,12 +6,10 @@ from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Field, model_validator
 
+from dualarm_pin.files.numbers import Number, Seconds, Seed, Starts
 from dualarm_pin.files.source import Spec
 
-Seconds = Annotated[float, Field(gt=0.0)]
-Seed = Annotated[int, Field(ge=0)]
-Count = Annotated[int, Field(ge=1)]
-_MOST_STEPS = 10_000  # a count beyond is a slip; a suite has at most a million runs
+_MOST_STEPS = 1_000  # a count beyond is a slip
 
 
 class NamedEntry(Spec):
@@ -28,8 +26,8 @@ class NamedEntry(Spec):
 class StepsSpec(Spec):
     """Evenly spaced values, both ends included."""
 
-    first: float
-    last: float
+    first: Number
+    last: Number
     count: Annotated[int, Field(ge=2, le=_MOST_STEPS)]
 
     @property
@@ -92,9 +90,9 @@ class MethodEntry(NamedEntry):
     name: str | None = None
     effort: str | None = None
     solver: str | None = None
-    starts: Count | None = None
+    starts: Starts | None = None
     options: dict[str, Any] = Field(default_factory=dict)
-    seeds: Count | list[Seed] | None = None
+    seeds: Starts | list[Seed] | None = None
     time_limit: Seconds | None = None
 
     @model_validator(mode="after")
@@ -161,7 +159,7 @@ class SuiteSpec(Spec):
     title: str | None = None
     tasks: Annotated[list[TaskEntry], Field(min_length=1)]
     methods: Annotated[list[MethodEntry], Field(min_length=1)]
-    seeds: Count | Annotated[list[Seed], Field(min_length=1)] = 1
+    seeds: Starts | Annotated[list[Seed], Field(min_length=1)] = 1
     time_limit: Seconds = 600.0
     overrides: OverridesSpec = OverridesSpec()
     gates: list[GateEntry] = Field(default_factory=list)

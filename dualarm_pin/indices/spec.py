@@ -10,21 +10,19 @@ own (see `files.call`), and what goes with any of them:
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from pydantic import Field, model_validator
+from pydantic import model_validator
 
 from dualarm_pin.files.call import CallSpec, OwnFunction
+from dualarm_pin.files.numbers import Number, Vector, Weight
 from dualarm_pin.files.one_of import OneOf, one_of
 from dualarm_pin.files.signature import ArgumentsSpec
 from dualarm_pin.indices import INDICES, Index
 
-Weight = Annotated[float, Field(ge=0.0)]
 Six = tuple[Weight, Weight, Weight, Weight, Weight, Weight]
 Direction = (
-    Literal["tangent", "path"]
-    | tuple[float, float, float]
-    | tuple[float, float, float, float, float, float]
+    Literal["tangent", "path"] | Vector | tuple[Number, Number, Number, Number, Number, Number]
 )
 
 

@@ -31,7 +31,7 @@ def load_mesh(path: Path, scale: tuple[float, float, float], hull: bool) -> coal
     try:
         stamp = path.stat()
         return _load(path, scale, hull, stamp.st_mtime_ns, stamp.st_size)
-    except (OSError, ValueError, LookupError, MemoryError) as error:
+    except (OSError, ValueError, LookupError, ArithmeticError, MemoryError) as error:
         if isinstance(error, InputError):
             raise
         raise InputError(f"not a mesh: {error}", file=path) from error

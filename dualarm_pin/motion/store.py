@@ -20,7 +20,7 @@ from dualarm_pin.answer.folder import load_trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, MissingFileError
 from dualarm_pin.files.npz import npz_bytes, read_npz
-from dualarm_pin.files.write import write_bytes
+from dualarm_pin.files.write import write_files
 from dualarm_pin.motion.summary import Law, MotionSummary
 
 _AXES = {"time": 1, "arc_length": 1, "q": 2, "velocity": 2, "acceleration": 2}
@@ -46,9 +46,12 @@ def write_motion(
         raise InputError("the motion has other joints than this result", file=folder)
     result = _result(folder)
     result["motion"] = from_json(to_json(content, inf_nan_mode="null"))
-    write_bytes(folder / "motion.csv", _csv(joints, arrays).encode())
-    write_bytes(folder / "motion.npz", npz_bytes(arrays, joints))
-    write_bytes(folder / "result.json", (json.dumps(result, indent=1) + "\n").encode())
+    files = {
+        "motion.csv": _csv(joints, arrays).encode(),
+        "motion.npz": npz_bytes(arrays, joints),
+        "result.json": (json.dumps(result, indent=1) + "\n").encode(),
+    }
+    write_files(folder, files)
 
 
 def read_motion(folder: Path) -> tuple[Law, tuple[str, ...], dict[str, Array], MotionSummary]:

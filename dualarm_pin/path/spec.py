@@ -22,7 +22,8 @@ from typing import Literal, Self
 
 from pydantic import model_validator
 
-from dualarm_pin.files.cell_spec import PlacementSpec, Vector
+from dualarm_pin.files.cell_spec import PlacementSpec
+from dualarm_pin.files.numbers import Vector
 from dualarm_pin.files.one_of import OneOf, one_of
 from dualarm_pin.files.source import Spec
 from dualarm_pin.path.paths import GENERATORS

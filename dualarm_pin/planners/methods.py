@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, get_args
 
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
+from dualarm_pin.files.numbers import LARGEST_SEED, MOST_JOBS, MOST_STARTS
 from dualarm_pin.planners.local import VARIANTS, plan_local
 from dualarm_pin.planners.peers import plan_casadi, plan_pink
 from dualarm_pin.planners.two_stage import plan_two_stage
@@ -82,11 +83,13 @@ def plan(
         InputError: A number is out of range, or a function of your own returns something else.
     """
     method = method or task.method or "global"
-    for name, number in (("starts", starts), ("jobs", jobs)):
-        if number is not None and number < 1:
-            raise InputError(f"at least 1 is expected; given {number}", field=f"--{name}")
-    if seed < 0:
-        raise InputError(f"0 or more is expected; given {seed}", field="--seed")
+    for name, number, least, most in (
+        ("starts", starts, 1, MOST_STARTS),
+        ("jobs", jobs, 1, MOST_JOBS),
+        ("seed", seed, 0, LARGEST_SEED),
+    ):
+        if number is not None and not least <= number <= most:
+            raise InputError(f"{least} to {most} is expected; given {number}", field=f"--{name}")
     if not isinstance(method, str):
         answer = method(task, seed=seed)
         if not isinstance(answer, Trajectory):

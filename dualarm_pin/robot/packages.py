@@ -52,6 +52,14 @@ def find_file(name: str, folder: Path, package_dirs: Sequence[Path] = ()) -> Pat
     raise MissingFileError(f"no such file: {name} (looked for {where}){hint}")
 
 
+def is_folder(path: Path) -> bool:
+    """Return whether there is such a folder; a name that no file system takes is none."""
+    try:
+        return path.is_dir()
+    except OSError:
+        return False
+
+
 def _plain(path: Path) -> Path:
     """Return `path` without `..`, unless a symbolic link gives them another meaning."""
     plain = Path(os.path.normpath(path))
@@ -80,7 +88,7 @@ def find_package(package: str, folder: Path, package_dirs: Sequence[Path] = ()) 
         MissingFileError: It is nowhere.
     """
     for candidate in _package_candidates(package, "", folder, package_dirs):
-        if candidate.is_dir():
+        if is_folder(candidate):
             return _plain(candidate)
     raise MissingFileError(f"no package {package!r}; add the folder that holds it to package_dirs")
 

@@ -36,21 +36,24 @@ def inertial(link: Element) -> Inertial | None:
     """Return the `<inertial>` of a link, or None; kinematics never needs it.
 
     Raises:
-        InputError: A value is not a number, or the mass is negative.
+        InputError: A value is not a number.
     """
     element, document = link.child("inertial"), link.document
     if not element:
         return None
     xyz, rpy = pose(element)
     mass = element.child("mass").number("value")
-    if mass is not None and mass < 0:
-        message = f"mass {mass:g} kg is negative; give a positive mass or leave <inertial> out"
-        raise element.error(message)
     child = element.child("inertia")
     values = [child.number(key) for key in MOMENTS]
     if mass is None or None in values:
         message = f"{document.file.name}: {link.owner}: <inertial> is incomplete and was left out"
         document.warnings.append(message)
+        return None
+    if mass < 0:
+        document.warnings.append(
+            f"{document.file.name}:{element.line}: {link.owner}: mass {mass:g} kg is negative: "
+            "<inertial> was left out, so torques cannot be computed"
+        )
         return None
     moments = tuple(value or 0.0 for value in values)
     negative = [f"{MOMENTS[k]}={moments[k]:g}" for k in (0, 3, 5) if moments[k] < 0]

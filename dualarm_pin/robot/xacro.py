@@ -1,4 +1,4 @@
-"""Expand xacro through xacrodoc, an extra; ROS itself is never needed."""
+"""Expand xacro through xacrodoc, an extra; ROS itself is never needed, and no code is run."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import Any
 
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.robot.packages import find_package
+from dualarm_pin.robot.xacro_expressions import harmless
 
 
 def expand_xacro(
@@ -23,7 +24,7 @@ def expand_xacro(
 
     Raises:
         MissingExtraError: xacrodoc is not installed.
-        InputError: The file cannot be expanded.
+        InputError: The file cannot be expanded, or an expression in it is more than arithmetic.
     """
     try:
         import xacrodoc
@@ -34,12 +35,15 @@ def expand_xacro(
         ) from error
     given = {key: _text(value) for key, value in arguments.items()}
     try:
-        with _packages_of(xacrodoc, file, package_dirs):
+        module = xacrodoc.xacrodoc
+        with (
+            _packages_of(xacrodoc, file, package_dirs),
+            harmless(module.xacro, module.substitution_args),
+        ):
             doc = xacrodoc.XacroDoc.from_file(str(file), subargs=given, resolve_packages=False)
             return str(doc.to_urdf_string(use_protocols=True)).encode()
     except Exception as error:  # xacro raises its own kinds, and whatever an expression raises
-        reason = str(error).strip().splitlines() or [type(error).__name__]
-        raise InputError(f"xacro cannot expand this file: {reason[0]}", file=file) from error
+        raise InputError(f"xacro cannot expand this file: {_reason(error)}", file=file) from error
 
 
 @contextmanager
@@ -52,6 +56,15 @@ def _packages_of(xacrodoc: Any, file: Path, package_dirs: Sequence[Path]) -> Ite
         yield
     finally:
         substitution._eval_find = before
+
+
+def _reason(error: BaseException) -> str:
+    """Return the first line of what xacro says, or our own message inside of it."""
+    inner = error
+    while isinstance(getattr(inner, "exc", None), Exception):
+        inner = inner.exc  # type: ignore[attr-defined]
+    text = str(inner if isinstance(inner, InputError) else error).strip()
+    return text.splitlines()[0] if text else type(error).__name__
 
 
 def _text(value: str | bool | float) -> str:

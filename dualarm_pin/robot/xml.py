@@ -10,7 +10,8 @@ from typing import Any
 
 from lxml import etree
 
-from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.errors import InputError
+from dualarm_pin.files.read import read_file
 
 _LARGEST = 50_000_000  # bytes; the largest URDF of example-robot-data has 0.3 MB
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?", re.ASCII)
@@ -28,16 +29,7 @@ def read_bytes(file: Path) -> bytes:
         MissingFileError: It does not exist or cannot be read.
         InputError: It is empty or far too large.
     """
-    try:
-        size = file.stat().st_size
-        raw = file.read_bytes() if size <= _LARGEST else b""
-    except FileNotFoundError as error:
-        raise MissingFileError("no such file", file=file) from error
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise MissingFileError(f"cannot be read: {reason}", file=file) from error
-    if size > _LARGEST:
-        raise InputError(f"{size} bytes is too large for a robot description", file=file)
+    raw = read_file(file, _LARGEST, "a robot description is expected")
     if not raw.strip():
         raise InputError("the file is empty", file=file)
     return raw

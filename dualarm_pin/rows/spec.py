@@ -23,6 +23,7 @@ from pydantic import Field, model_validator
 from dualarm_pin.cell import Cell
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.call import OwnFunction
+from dualarm_pin.files.numbers import Point
 from dualarm_pin.files.one_of import OneOf, one_of
 from dualarm_pin.rows.angles import axis_within, joint_range
 from dualarm_pin.rows.half_space import above, below, half_space, inside
@@ -37,7 +38,7 @@ ROWS: Mapping[str, Callable[..., Row | tuple[Row, ...]]] = {
     "axis_within": axis_within,
     "joint_range": joint_range,
 }
-Points = Annotated[list[Annotated[int, Field(ge=1)]], Field(min_length=1)]
+Points = Annotated[list[Point], Field(min_length=1)]
 
 
 @one_of(ROWS, without=("points", "name", "cell"))

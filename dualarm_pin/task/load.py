@@ -43,8 +43,8 @@ def parts_of_task(
     source, cell_source, keys = read_task(file, overrides)
     spec = check(source, TaskSpec)
     own = own_functions(source, spec.calls, allow_code=allow_code)
-    record = task_record(source, cell_source, keys, own.values())
     cell = Cell.from_source(cell_source, keys)
+    record = task_record(source, cell_source, keys, own.values())
     with source.blamed():
         path = load_path(spec.path, source, own.get(("path",)))
         index = load_index(spec.index, own.get(("index",)))

@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
 from pydantic import Field
 
 from dualarm_pin.clearance.spec import ClearanceSpec
 from dualarm_pin.files.call import CallSpec, Place
+from dualarm_pin.files.numbers import Point, Weight
+from dualarm_pin.files.signature import Count
 from dualarm_pin.files.source import Spec
-from dualarm_pin.indices.spec import IndexSpec, Weight
+from dualarm_pin.indices.spec import IndexSpec
 from dualarm_pin.path.spec import PathSpec
 from dualarm_pin.rows.spec import RowSpec
 from dualarm_pin.task.motion_spec import MotionSpec
@@ -26,7 +28,7 @@ class SmoothnessSpec(Spec):
 class TwoStageSpec(Spec):
     """The paper's first stage: points (from 1) and lambda."""
 
-    Gamma: list[Annotated[int, Field(ge=1)]] | Annotated[int, Field(ge=2)] | None = None
+    Gamma: list[Point] | Count | None = None
     smoothness: Weight = 1.5
 
 

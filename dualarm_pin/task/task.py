@@ -16,6 +16,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance.rule import UNSAID, ClearanceRule
 from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.files.numbers import MOST_POINTS
 from dualarm_pin.indices import Index
 from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
@@ -73,6 +74,12 @@ class Task:
         if h < LEAST_POINTS:
             raise InputError(
                 f"{h} point is too few: a path has at least {LEAST_POINTS}", field="path"
+            )
+        if h > MOST_POINTS:
+            raise InputError(
+                f"{h} points are too many: a path has at most {MOST_POINTS}; give `points` or "
+                "`step` to take fewer",
+                field="path",
             )
         if not np.all(np.linalg.norm(self.path.u, axis=1) > 0):
             point = int(np.argmin(np.linalg.norm(self.path.u, axis=1))) + 1

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from dualarm_pin.errors import InputError, MissingFileError
+from dualarm_pin.errors import InputError
+from dualarm_pin.files.read import read_file
 from dualarm_pin.path.generators.piece import Piece
 
 INCH = 0.0254  # m
 MILLIMETRE = 0.001  # m
+_LARGEST = 20_000_000  # bytes: some hundred thousand points
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,12 +35,10 @@ def read_text(file: str | FilePath) -> str:
 
     Raises:
         MissingFileError: There is no such file, or it cannot be read.
+        InputError: It is too large.
     """
-    try:
-        return FilePath(file).read_bytes().decode("utf-8-sig", errors="replace")
-    except OSError as error:
-        reason = "no such file" if isinstance(error, FileNotFoundError) else error.strerror
-        raise MissingFileError(f"{reason}: check the name", file=file) from error
+    raw = read_file(FilePath(file), _LARGEST, "check the name")
+    return raw.decode("utf-8-sig", errors="replace")
 
 
 def choose(

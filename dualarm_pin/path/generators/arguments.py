@@ -12,19 +12,18 @@ from pydantic import Field
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
-from dualarm_pin.files.cell_spec import Vector
+from dualarm_pin.files.numbers import LARGEST, MOST_POINTS, Number, Vector
 from dualarm_pin.files.signature import Count, InFile
 from dualarm_pin.path.generators.piece import UP, Piece, arc_piece
 
-Angle: TypeAlias = Annotated[float, InFile(float, degrees=True)]
+Angle: TypeAlias = Annotated[float, InFile(Number, degrees=True)]
 """An angle [rad]; in files the key ends in `_deg`."""
-Point2: TypeAlias = Annotated[ArrayLike, InFile(tuple[float, float])]
+Point2: TypeAlias = Annotated[ArrayLike, InFile(tuple[Number, Number])]
 Point3: TypeAlias = Annotated[ArrayLike, InFile(Vector)]
 Points3: TypeAlias = Annotated[ArrayLike, InFile(list[Vector])]
-_Share = Annotated[int, Field(ge=0, le=1_000_000)]
+_Share = Annotated[int, Field(ge=0, le=MOST_POINTS)]
 Shares: TypeAlias = Annotated[Sequence[int] | int | None, InFile(list[_Share] | Count | None)]
 """A number of points for each part of a curve, or one for all of it."""
-_LARGEST = 1e6  # m; more is a slip of the pen
 
 
 def positive(**lengths: float) -> None:
@@ -34,8 +33,8 @@ def positive(**lengths: float) -> None:
         InputError: The field is the name of the argument.
     """
     for name, value in lengths.items():
-        if not 0.0 < value <= _LARGEST:
-            message = f"a number above 0 (and up to {_LARGEST:g}) is expected; given {value:g}"
+        if not 0.0 < value <= LARGEST:
+            message = f"a number above 0 (and up to {LARGEST:g}) is expected; given {value:g}"
             raise InputError(message, field=name)
 
 
@@ -46,8 +45,8 @@ def not_zero(**values: float) -> None:
         InputError: The field is the name of the argument.
     """
     for name, value in values.items():
-        if not 0.0 < abs(value) <= _LARGEST:
-            message = f"a number other than 0 (and up to {_LARGEST:g}) is expected; given {value:g}"
+        if not 0.0 < abs(value) <= LARGEST:
+            message = f"a number other than 0 (and up to {LARGEST:g}) is expected; given {value:g}"
             raise InputError(message, field=name)
 
 

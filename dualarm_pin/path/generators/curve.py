@@ -11,13 +11,12 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
+from dualarm_pin.files.numbers import MOST_POINTS
 from dualarm_pin.path.generators.piece import Piece
 from dualarm_pin.tolerance import TOLERANCE
 
 SHARP = math.radians(20.0)
 """A curve that turns by more at one place has a corner there, and the corner gets a point."""
-
-_MOST = 1_000_000  # points; more is a slip of the pen
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,8 +98,10 @@ def _share(stretches: Array, points: int | None, step: float | None) -> list[int
         if not step > 0.0:
             raise InputError(f"a length above 0 is expected; given {step}", field="step")
         intervals = [max(1.0, np.ceil(length / step - 1e-9)) for length in stretches]
-        if not sum(intervals) < _MOST:
-            message = f"a step of {step:g} m gives more than {_MOST} points: take a larger one"
+        if not sum(intervals) < MOST_POINTS:
+            message = (
+                f"a step of {step:g} m gives more than {MOST_POINTS} points: take a larger one"
+            )
             raise InputError(message, field="step")
         return [int(n) for n in intervals]
     if points is None or points < len(stretches) + 1:

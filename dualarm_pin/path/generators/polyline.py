@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
+from dualarm_pin.files.numbers import LARGEST
 from dualarm_pin.path.generators.arguments import Points3
 from dualarm_pin.path.generators.follow import Follow, follow
 from dualarm_pin.path.generators.piece import Piece, arc_piece, line_piece
@@ -46,6 +47,10 @@ def distinct(value: ArrayLike, field: str) -> Array:
     points = finite(value, field, (-1, 3))
     if len(points) < 2:
         raise InputError(f"2 points or more are expected; given {len(points)}", field=field)
+    if np.abs(points).max() > LARGEST:
+        i = int(np.argmax(np.abs(points).max(axis=1))) + 1
+        message = f"point {i} is farther than {LARGEST:g} m: {points[i - 1].tolist()}"
+        raise InputError(message, field=field)
     if len(twice := repeated(points)):
         i = twice[0] + 1
         raise InputError(f"points {i} and {i + 1} coincide: remove one of them", field=field)
