@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from dualarm_pin.files.cell_spec import Positive
+from dualarm_pin.files.numbers import Number, Positive
 from dualarm_pin.files.source import Spec
 
 
@@ -35,4 +35,4 @@ class MotionSpec(Spec):
     chord: ChordSpec = ChordSpec()
     rate: Annotated[float, Field(gt=0.0, le=1.0)] = 0.004
     limits: list[Literal["velocity", "acceleration", "jerk", "torque"]] | None = None
-    tool_force: float = 0.0
+    tool_force: Number = 0.0
