@@ -24,6 +24,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import ConfigDict, Field
 
 from dualarm_pin.errors import DualArmError, InputError, nearest
+from dualarm_pin.files.read import is_file
 from dualarm_pin.files.source import Key, Source, Spec
 
 T = TypeVar("T")
@@ -215,7 +216,7 @@ def module_file(source: Source, module: str) -> Path | None:
     for folder in _folders(source):
         stem = folder.joinpath(*module.split("."))
         for file in (stem.with_suffix(".py"), stem / "__init__.py"):
-            if file.is_file():
+            if is_file(file):
                 return file
     return None
 

@@ -246,9 +246,15 @@ def check(source: Source, spec: type[SpecT], keys: Sequence[Key] = ()) -> SpecT:
     try:
         return spec.model_validate(data)
     except ValidationError as error:
-        mistakes = [_mistake(source, spec, detail, keys) for detail in error.errors()]
-        # Only one union branch explains a mistake best: keep the first for each place.
-        unique = list({(str(m.line), m.field): m for m in reversed(mistakes)}.values())[::-1]
+        # Only one branch of a union explains a mistake best: keep the first for each place that
+        # takes what was given for what it is.
+        best: dict[tuple[int | None, str | None], tuple[bool, InputError]] = {}
+        for detail in error.errors():
+            mistake = _mistake(source, spec, detail, keys)
+            place, other_kind = (mistake.line, mistake.field), detail["type"].endswith("_type")
+            if place not in best or best[place][0] > other_kind:
+                best[place] = other_kind, mistake
+        unique = [mistake for _, mistake in best.values()]
         if len(unique) == 1:
             raise unique[0] from error
         first = unique[0]
