@@ -34,7 +34,11 @@ ModuleAndFunction = Annotated[str, Field(pattern=_PATTERN)]
 
 
 class CallSpec(Spec):
-    """A function of the user's own, and its keyword arguments beside it."""
+    """A function of the user's own, and its keyword arguments beside it.
+
+    Attributes:
+        call: Module and function, such as `my_planner:plan`.
+    """
 
     model_config = ConfigDict(extra="allow")
 
