@@ -11,6 +11,7 @@ forked processes that hold the loaded package; one that hangs or dies takes only
 from __future__ import annotations
 
 import argparse
+import json
 import multiprocessing as mp
 import resource
 import shutil
@@ -105,11 +106,11 @@ def sound_files_work(folder: Path) -> None:
     """Fail if a sound file is refused: then its mutations would prove little."""
     for kind in mutations.KINDS:
         run(kind, folder)
-    for path in mutations.PATHS:
-        for index in mutations.INDICES:
-            text = mutations.json.dumps(mutations.TASK | {"path": path, "index": index})
-            (folder / "sound.yaml").write_text(text)
-            use_task(Task.load(folder / "sound.yaml"))
+    sections = [{"path": path} for path in mutations.PATHS]
+    sections += [{"path": mutations.PATHS[0], "index": index} for index in mutations.INDICES]
+    for section in sections:
+        (folder / "sound.yaml").write_text(json.dumps(mutations.TASK | section))
+        use_task(Task.load(folder / "sound.yaml"))
 
 
 def outcome(kind: str, seed: int, sound: Path) -> tuple[str, str]:

@@ -12,8 +12,9 @@ from dualarm_pin.cell.joint_settings import Blame
 from dualarm_pin.cell.parts import ARMS
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.cell_spec import ArmSpec, CellSpec
+from dualarm_pin.files.read import is_folder
 from dualarm_pin.files.source import Key, Source, Spec, check
-from dualarm_pin.robot.packages import find_file, is_folder
+from dualarm_pin.robot.packages import find_file
 from dualarm_pin.robot.read_urdf import parse_urdf
 from dualarm_pin.robot.robot import Robot
 from dualarm_pin.robot.srdf import Srdf, read_srdf

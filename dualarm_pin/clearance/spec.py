@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
-from pydantic import BeforeValidator, Field, model_validator
+from pydantic import BeforeValidator, Field, WithJsonSchema, model_validator
 
 from dualarm_pin.cell import Cell
 from dualarm_pin.cell.parts import Pair
@@ -28,11 +28,25 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)
 
 
-Distance = Annotated[float | None, BeforeValidator(_distance)]
+Distance = Annotated[
+    float | None,
+    BeforeValidator(_distance),
+    WithJsonSchema({"anyOf": [{"type": "number", "minimum": 0}, {"enum": _OFF}]}),
+]
 
 
 class ClearanceSpec(Spec):
-    """What must stay how far apart; see `ClearanceRule`. None is `off`."""
+    """The `clearance:` section: what must stay how far apart.
+
+    Attributes:
+        required: Least distance of every pair of bodies [m], or `off`; without it no pair may touch
+            whose distance the path does not fix itself, such as `0.02`.
+        pairs: Another distance [m], or `off`, for two bodies, named with a space between them, such
+            as `{arm1/link_6 arm2/link_6: 0.05}`.
+        between_points: Whether it holds between the points of the path too.
+    """
+
+    short = ({"type": "number", "minimum": 0}, {"enum": _OFF})
 
     required: Distance = 0.0
     pairs: dict[str, Distance] = Field(default_factory=dict)

@@ -24,6 +24,7 @@ from typing import Annotated, Any, TypeVar
 from pydantic import ConfigDict, Field
 
 from dualarm_pin.errors import DualArmError, InputError, nearest
+from dualarm_pin.files.read import is_file
 from dualarm_pin.files.source import Key, Source, Spec
 
 T = TypeVar("T")
@@ -33,7 +34,11 @@ ModuleAndFunction = Annotated[str, Field(pattern=_PATTERN)]
 
 
 class CallSpec(Spec):
-    """A function of the user's own, and its keyword arguments beside it."""
+    """A function of the user's own, and its keyword arguments beside it.
+
+    Attributes:
+        call: Module and function, such as `my_planner:plan`.
+    """
 
     model_config = ConfigDict(extra="allow")
 
@@ -215,7 +220,7 @@ def module_file(source: Source, module: str) -> Path | None:
     for folder in _folders(source):
         stem = folder.joinpath(*module.split("."))
         for file in (stem.with_suffix(".py"), stem / "__init__.py"):
-            if file.is_file():
+            if is_file(file):
                 return file
     return None
 

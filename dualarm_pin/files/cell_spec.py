@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 import pinocchio as pin
-from pydantic import AfterValidator, Field, model_validator
+from pydantic import AfterValidator, Field, WithJsonSchema, model_validator
 
 from dualarm_pin.arrays import rotations
 from dualarm_pin.files.numbers import Number, Positive, Vector
@@ -39,10 +39,30 @@ MOTION_LIMITS = {
     "torque": "torque",
 }
 """Keys inside `limits` to the keys beside it that say the same."""
+_LIMITS = {  # JSON schema: bounds by joint, and beside them what motion allows
+    "type": "object",
+    "properties": {
+        key: {"type": "object", "additionalProperties": {"type": "number", "exclusiveMinimum": 0}}
+        for key in MOTION_LIMITS
+    },
+    "additionalProperties": {
+        "type": "array",
+        "items": {"type": "number"},
+        "minItems": 2,
+        "maxItems": 2,
+    },
+}
 
 
 class PlacementSpec(Spec):
-    """A pose: `xyz` [m] and at most one of `rpy` [rad], `rpy_deg`, `rotation` (three rows)."""
+    """A pose: a position, and at most one of three ways to give a rotation.
+
+    Attributes:
+        xyz: Position [m], such as `[1.3, 0, 0]`.
+        rpy: Roll, pitch and yaw about the fixed axes [rad], such as `[0, 0, 3.14159]`.
+        rpy_deg: The same [deg], such as `[0, 0, 180]`.
+        rotation: Rotation matrix as three rows, such as `[[0, -1, 0], [1, 0, 0], [0, 0, 1]]`.
+    """
 
     xyz: Vector = (0.0, 0.0, 0.0)
     rpy: Vector | None = None
@@ -74,9 +94,22 @@ class JointSettings(Spec):
     Degrees are for revolute joints only; without `_deg` the unit is rad or m, and seconds. What
     motion allows may also stand inside `limits`: {velocity_deg_s, acceleration_deg_s2,
     jerk_deg_s3, torque}, each by joint.
+
+    Attributes:
+        limits: Lower and upper bound by joint [rad or m], such as `{slide: [0, 0.2]}`.
+        limits_deg: The same in degrees [deg], such as `{joint_1: [-60, 60]}`.
+        velocity: Largest speed by joint [rad/s or m/s], such as `{joint_1: 2.0}`.
+        velocity_deg: The same in degrees [deg/s], such as `{joint_1: 120}`.
+        acceleration: Largest acceleration by joint [rad/s^2 or m/s^2], such as `{joint_1: 8.0}`.
+        acceleration_deg_s2: The same in degrees [deg/s^2], such as `{joint_1: 400}`.
+        jerk: Largest jerk by joint [rad/s^3 or m/s^3], such as `{joint_1: 80.0}`.
+        jerk_deg_s3: The same in degrees [deg/s^3], such as `{joint_1: 4000}`.
+        torque: Largest torque or force by joint [N m or N], such as `{joint_1: 300}`.
+        lock: Value of joints that stand still [rad or m], such as `{head_pan: 0.0}`.
+        lock_deg: The same in degrees [deg], such as `{head_pan: 30}`.
     """
 
-    limits: dict[str, Bounds] = Field(default_factory=dict)
+    limits: Annotated[dict[str, Bounds], WithJsonSchema(_LIMITS)] = Field(default_factory=dict)
     limits_deg: dict[str, Bounds] = Field(default_factory=dict)
     velocity: dict[str, Positive] = Field(default_factory=dict)
     velocity_deg: dict[str, Positive] = Field(default_factory=dict)
@@ -108,11 +141,12 @@ class ArmSpec(JointSettings):
     """One arm. Without a URDF here or above it is a frame that stands still at `base`.
 
     Attributes:
-        urdf: URDF or xacro file of this arm alone.
-        srdf: SRDF of that file: pairs that need no collision check, groups.
-        xacro: Arguments of the xacro file.
-        tip: Link that carries the tool.
-        group: A group of the SRDF instead of a tip: the tip is the end of its chain.
+        urdf: URDF or xacro file of this arm alone, such as `robot.urdf`.
+        srdf: SRDF of that file: pairs that need no collision check, groups, such as `robot.srdf`.
+        xacro: Arguments of the xacro file, such as `{reach: 0.5}`.
+        tip: Link that carries the tool, such as `tool0`.
+        group: A group of the SRDF instead of a tip: the tip is the end of its chain, such as
+            `manipulator`.
         base: Pose of the root link in the cell.
         tool: Pose of the tool frame (TCP) in the tip link.
         tool_axis: Direction of the tool in the tool frame, for reports and pictures.
@@ -129,7 +163,12 @@ class ArmSpec(JointSettings):
 
 
 class ArmsSpec(Spec):
-    """The two arms; the path is followed by arm2 as seen from arm1."""
+    """The two arms; the path is followed by arm2 as seen from arm1.
+
+    Attributes:
+        arm1: The arm in whose tool frame e1 the path is drawn.
+        arm2: The arm whose tool frame e2 follows it.
+    """
 
     arm1: ArmSpec
     arm2: ArmSpec
@@ -187,14 +226,16 @@ class CellSpec(JointSettings):
     """A whole cell file.
 
     Attributes:
-        name: Name of the cell; that of the file if not given.
-        urdf: One URDF or xacro file that holds both arms.
-        srdf: Its SRDF.
-        xacro: Arguments of the xacro file.
+        name: Name of the cell, such as `two arms`; that of the file if not given.
+        urdf: One URDF or xacro file that holds both arms, such as `both.urdf`.
+        srdf: Its SRDF, such as `both.srdf`.
+        xacro: Arguments of the xacro file, such as `{reach: 0.5}`.
         arms: The two arms.
-        free: Common joints (a torso) that the planner may move; all others are locked.
-        package_dirs: Further folders to search for packages and meshes.
-        objects: What stands in the cell or is carried, by name.
+        free: Common joints (a torso) that the planner may move, such as `[torso_lift]`; all others
+            are locked.
+        package_dirs: Further folders to search for packages and meshes, such as `[./meshes]`.
+        objects: What stands in the cell or is carried, by name, such as
+            `{table: {box: [0.6, 1.2, 0.05], at: {xyz: [1.25, 0, 0.225]}}}`.
     """
 
     name: str | None = None

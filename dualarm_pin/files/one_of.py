@@ -13,7 +13,9 @@ import inspect
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Self, TypeVar, cast
 
-from pydantic import create_model, model_validator
+from pydantic import GetJsonSchemaHandler, create_model, model_validator
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from dualarm_pin.files.call import CallSpec
 from dualarm_pin.files.signature import ArgumentsSpec, spec_of
@@ -26,12 +28,25 @@ class OneOf(Spec):
     Attributes:
         noun: What the functions make, for messages.
         table: The functions by name.
-        call: A function of the user's own.
+        call: A function of the user's own, such as `my_module:my_function`.
     """
 
     noun: ClassVar[str]
     table: ClassVar[Mapping[str, Callable[..., Any]]]
     call: CallSpec | None = None
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the JSON schema: the functions of the table, or `call` and any argument."""
+        schema = super().__get_pydantic_json_schema__(core, handler)
+        ours = schema["anyOf"][0] if cls.short else schema
+        said = ours["properties"].pop("call")
+        call = {"type": "string", **{key: said[key] for key in ("description", "examples")}}
+        beside = {k: v for k, v in ours["properties"].items() if k not in cls.table}
+        own = {"type": "object", "properties": beside | {"call": call}, "required": ["call"]}
+        return {"anyOf": [ours, own, *cls.short]}
 
     @property
     def kind(self) -> str:

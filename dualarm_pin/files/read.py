@@ -1,4 +1,4 @@
-"""Read a file that somebody named: a plain one, of a size that is meant seriously."""
+"""Find and read a file that somebody named: a plain one, of a size that is meant seriously."""
 
 from __future__ import annotations
 
@@ -6,6 +6,22 @@ import stat
 from pathlib import Path
 
 from dualarm_pin.errors import InputError, MissingFileError
+
+
+def is_file(path: Path) -> bool:
+    """Return whether there is such a plain file; a name that no file system takes is none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether there is such a folder; a name that no file system takes is none."""
+    try:
+        return path.is_dir()
+    except (OSError, ValueError):
+        return False
 
 
 def read_file(path: Path, largest: int, hint: str) -> bytes:

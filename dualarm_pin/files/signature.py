@@ -66,7 +66,12 @@ class ArgumentsSpec(Spec):
 
 
 class _Sampled(ArgumentsSpec):
-    """Where a curve gets its points: exactly one of the two."""
+    """Where a curve gets its points: exactly one of the two.
+
+    Attributes:
+        points: Number of points, both ends included, such as `49`.
+        step: Or the largest distance of neighbours along the curve [m], such as `0.005`.
+    """
 
     points: Count | None = None
     step: Positive | None = None
@@ -99,6 +104,8 @@ class _Anything(ArgumentsSpec):
 
 class _NamesAFile(ArgumentsSpec):
     """Read `csv: FILE` as `csv: {file: FILE}`."""
+
+    short = ({"type": "string"},)
 
     @model_validator(mode="before")
     @classmethod

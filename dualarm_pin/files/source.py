@@ -9,14 +9,16 @@ are reported at once.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, NoReturn, TypeVar, get_args
+from typing import Any, ClassVar, NoReturn, TypeVar
 
-from pydantic import BaseModel, ConfigDict, ValidationError
+from pydantic import BaseModel, ConfigDict, GetJsonSchemaHandler, ValidationError
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 from ruamel.yaml import YAML
 from ruamel.yaml.comments import CommentedBase, CommentedMap
 from ruamel.yaml.constructor import RoundTripConstructor
@@ -24,6 +26,7 @@ from ruamel.yaml.error import MarkedYAMLError, YAMLError
 from ruamel.yaml.nodes import MappingNode, Node, ScalarNode
 
 from dualarm_pin.errors import InputError, nearest
+from dualarm_pin.files.documented import documented, first_line, models_in
 from dualarm_pin.files.read import read_file
 
 SpecT = TypeVar("SpecT", bound="Spec")
@@ -86,6 +89,23 @@ class Spec(BaseModel):
     """Base of every specification: unknown keys are errors, values are strict and frozen."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+
+    short: ClassVar[Sequence[Mapping[str, Any]]] = ()
+    """JSON schemas of what else a file may write for it."""
+
+    @classmethod
+    def __get_pydantic_json_schema__(
+        cls, core: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        """Return the JSON schema, with what is said about each key and an example of it."""
+        schema = handler.resolve_ref_schema(handler(core))
+        schema["description"] = first_line(cls)
+        for name, said in documented(cls).items():
+            key: dict[str, Any] = schema["properties"][name]
+            unit = f" [{said.unit}]" if said.unit and f"[{said.unit}" not in said.text else ""
+            key["description"] = said.text + unit
+            key["examples"] = [said.example]
+        return {"anyOf": [schema, *cls.short]} if cls.short else schema
 
 
 @dataclass(frozen=True)
@@ -246,9 +266,15 @@ def check(source: Source, spec: type[SpecT], keys: Sequence[Key] = ()) -> SpecT:
     try:
         return spec.model_validate(data)
     except ValidationError as error:
-        mistakes = [_mistake(source, spec, detail, keys) for detail in error.errors()]
-        # Only one union branch explains a mistake best: keep the first for each place.
-        unique = list({(str(m.line), m.field): m for m in reversed(mistakes)}.values())[::-1]
+        # Only one branch of a union explains a mistake best: keep the first for each place that
+        # takes what was given for what it is.
+        best: dict[tuple[int | None, str | None], tuple[bool, InputError]] = {}
+        for detail in error.errors():
+            mistake = _mistake(source, spec, detail, keys)
+            place, other_kind = (mistake.line, mistake.field), detail["type"].endswith("_type")
+            if place not in best or best[place][0] > other_kind:
+                best[place] = other_kind, mistake
+        unique = [mistake for _, mistake in best.values()]
         if len(unique) == 1:
             raise unique[0] from error
         first = unique[0]
@@ -315,17 +341,10 @@ def _known_keys(spec: type[BaseModel], location: Sequence[Key]) -> list[str]:
         for model in candidates:
             fields = getattr(model, "model_fields", None)
             if fields is not None and part in fields:
-                following += _models(fields[part].annotation)
+                following += models_in(fields[part].annotation)
             elif getattr(model, "__name__", None) == part:
                 following.append(model)
             else:
-                following += _models(model)
+                following += models_in(model)
         candidates = following or candidates
     return sorted({key for model in candidates for key in getattr(model, "model_fields", {})})
-
-
-def _models(annotation: Any) -> list[Any]:
-    """Return the specifications inside a type annotation."""
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return [annotation]
-    return [model for argument in get_args(annotation) for model in _models(argument)]

@@ -16,6 +16,7 @@ class NamedEntry(Spec):
     """An entry of a list that may also be written as one word, its `main` field."""
 
     main: ClassVar[str]
+    short = ({"type": "string"},)
 
     @model_validator(mode="before")
     @classmethod
@@ -24,7 +25,13 @@ class NamedEntry(Spec):
 
 
 class StepsSpec(Spec):
-    """Evenly spaced values, both ends included."""
+    """Evenly spaced values, both ends included.
+
+    Attributes:
+        first: First value, such as `0.0`.
+        last: Last value, such as `1.0`.
+        count: How many, such as `11`.
+    """
 
     first: Number
     last: Number
@@ -41,8 +48,9 @@ class OverridesSpec(Spec):
     """Changes of any field of the task; keys that begin with `cell.` reach into the cell.
 
     Attributes:
-        grid: Values by key; every combination is a variant.
-        variants: Sets of changes; each is a variant, combined with every point of the grid.
+        grid: Values by key, such as `{smoothness: [1, 3, 10]}`; every combination is a variant.
+        variants: Sets of changes, such as `[{smoothness: 30}]`; each is a variant, combined with
+            every point of the grid.
     """
 
     grid: dict[str, Annotated[list[Any], Field(min_length=1)] | StepsSpec] = Field(
@@ -55,8 +63,8 @@ class TaskEntry(NamedEntry):
     """One task file, or a glob of them.
 
     Attributes:
-        file: Path or glob, relative to the suite file.
-        name: Name in tables; the name of the file if not given.
+        file: Path or glob, relative to the suite file, such as `tasks/*.yaml`.
+        name: Name in tables, such as `corner`; the name of the file if not given.
         overrides: Changes for this task alone, on top of those of the suite.
     """
 
@@ -71,16 +79,17 @@ class MethodEntry(NamedEntry):
     """One method with its options.
 
     Attributes:
-        method: A method of `dualarm-pin solve`, or of an extra.
-        call: `module:function` instead of a method: your own planner, called as
+        method: A method of `dualarm-pin solve`, or of an extra, such as `global`.
+        call: `module:function` instead of a method: your own planner, called as, such as
+            `my_planner:plan`
             `function(task, seed=..., **options)`; it returns a `Trajectory`.
-        name: Name in tables.
-        effort: As in `solve`.
-        solver: As in `solve`.
-        starts: As in `solve`.
-        options: Arguments of `call`.
-        seeds: Seeds of this method alone.
-        time_limit: Budget of a run of this method [s].
+        name: Name in tables, such as `quick`.
+        effort: As in `solve`, such as `quick`.
+        solver: As in `solve`, such as `engine`.
+        starts: As in `solve`, such as `100`.
+        options: Arguments of `call`, such as `{k0: 2.0}`.
+        seeds: Seeds of this method alone, such as `[0, 1]`.
+        time_limit: Budget of a run of this method [s], such as `60`.
     """
 
     main = "method"
@@ -108,7 +117,8 @@ class GateEntry(NamedEntry):
     """A condition that the finished table must meet.
 
     Attributes:
-        gate: A column, a comparison and a number, such as `mean_index <= 0.41`.
+        gate: A column, a comparison and a number, such as `mean_index <= 0.41`, such as `mean_index
+            <= 0.41`.
         of: Whether every run, the best of them, their median or their mean must hold.
         task: Name or glob of tasks.
         method: Name or glob of methods.
@@ -126,11 +136,11 @@ class MapEntry(Spec):
     """A map of the best value over two keys of the grid, for the report.
 
     Attributes:
-        x: Key of the grid along the horizontal axis.
-        y: Key of the grid along the vertical axis.
+        x: Key of the grid along the horizontal axis, such as `cell.arms.arm2.base.xyz.0`.
+        y: Key of the grid along the vertical axis, such as `cell.arms.arm2.base.xyz.1`.
         of: Column whose best value is drawn.
-        label_x: What the axis says.
-        label_y: What the axis says.
+        label_x: What the axis says, such as `x of the base [m]`.
+        label_y: What the axis says, such as `y of the base [m]`.
     """
 
     x: str
@@ -144,7 +154,7 @@ class SuiteSpec(Spec):
     """A suite file.
 
     Attributes:
-        title: Heading of the report.
+        title: Heading of the report, such as `Two robots`.
         tasks: Task files.
         methods: Methods.
         seeds: The seeds, or how many: 3 stands for 0, 1, 2.
@@ -153,7 +163,8 @@ class SuiteSpec(Spec):
         gates: What must hold for exit code 0.
         maps: Maps over two keys of the grid.
         keep: Which trajectories are kept: the best of every task and variant, all, or none.
-        limitations: What a reader should know about this suite; one sentence each.
+        limitations: What a reader should know about this suite, such as `[The meshes are hulls.]`;
+            one sentence each.
     """
 
     title: str | None = None

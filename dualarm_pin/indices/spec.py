@@ -27,7 +27,15 @@ Direction = (
 
 
 class _Weighted(ArgumentsSpec):
-    """What every index of ours takes; `direction` is the path's tangent, or a vector in e1 axes."""
+    """What every index of ours takes.
+
+    Attributes:
+        task_weights: Weights of the six rows of the task (x, y, z, and turns about them), such as
+            `[1, 1, 1, 2, 2, 2]`.
+        joint_weights: A weight for each joint, such as `[1, 1, 1, 2, 2, 2]`.
+        direction: Direction u in axes of e1: `tangent` of the path, `path` for that of a file of
+            points, or a vector, such as `tangent`.
+    """
 
     beside = ("direction",)
 
@@ -37,16 +45,29 @@ class _Weighted(ArgumentsSpec):
 
 
 class _OwnIndex(CallSpec):
-    """A function of the user's own that returns an `Index`; `direction` is as for ours."""
+    """A function of the user's own that returns an `Index`.
+
+    Attributes:
+        call: Module and function, with its arguments beside it, such as `my_index:along`.
+        direction: As for our own indices, such as `tangent`.
+    """
 
     direction: Direction = "path"
 
 
 @one_of(INDICES, _Weighted)
 class IndexSpec(OneOf):
-    """The `index:` section."""
+    """The `index:` section: what is minimised at each point of the path.
+
+    Attributes:
+        call: A function of your own that returns an `Index`; its arguments stand beside it, such as
+            `my_index:along`.
+        joint_centre: Weight of the squared distances of the joints from the middle of their bounds,
+            such as `0.1`.
+    """
 
     noun = "index"
+    short = ({"enum": list(INDICES)},)
 
     call: _OwnIndex | None = None
     joint_centre: Weight = 0.0

@@ -32,7 +32,20 @@ Free = Literal["none", "spin", "rotation"]
 
 
 class HoldSpec(Spec):
-    """How the tool is held along a path: `path.generators.follow.Hold`."""
+    """How the tool is held along a path.
+
+    Attributes:
+        rotation: Axes of the tool frame e2 in e1 as three rows; the tools face each other by
+            default, such as `[[1, 0, 0], [0, -1, 0], [0, 0, -1]]`.
+        rpy_deg: The same rotation as roll, pitch and yaw [deg], such as `[180, 0, 0]`.
+        orientation: What the tool does along the curve: `constant` keeps the rotation, `tangent`
+            turns x along the curve, `normal` turns z into the surface, `normal_tangent` both, such
+            as `tangent`.
+        free: What is free at every point, or a list with one for each: `none`, `spin` about
+            `spin_axis`, or the whole `rotation`, such as `spin`.
+        spin_axis: Axis in e2 about which the tool may turn, such as `[0, 0, 1]`.
+        frame: Pose in e1 of the frame in which the curve is drawn: it moves the whole path.
+    """
 
     rotation: tuple[Vector, Vector, Vector] | None = None
     rpy_deg: Vector | None = None
@@ -50,6 +63,11 @@ class HoldSpec(Spec):
 
 @one_of(GENERATORS)
 class PathSpec(HoldSpec, OneOf):
-    """The `path:` section: one curve and how the tool is held."""
+    """The `path:` section: one curve and how the tool is held.
+
+    Attributes:
+        call: A function of your own that returns a `Path`; its arguments stand beside it, such as
+            `my_paths:zigzag`.
+    """
 
     noun = "curve"

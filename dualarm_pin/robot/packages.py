@@ -7,6 +7,7 @@ AMENT_PREFIX_PATH are never read: the same files must give the same cell on ever
 
 from __future__ import annotations
 
+import itertools
 import os
 from collections.abc import Iterator, Sequence
 from functools import lru_cache
@@ -15,6 +16,7 @@ from pathlib import Path
 from urllib.parse import unquote
 
 from dualarm_pin.errors import MissingExtraError, MissingFileError
+from dualarm_pin.files.read import is_file, is_folder
 from dualarm_pin.files.resources import urdf_folder
 
 ROBOTS = "example-robot-data"
@@ -34,11 +36,8 @@ def find_file(name: str, folder: Path, package_dirs: Sequence[Path] = ()) -> Pat
     """
     tried: list[str] = []
     for candidate in _candidates(name, folder, package_dirs):
-        try:
-            if candidate.is_file():
-                return _plain(candidate)
-        except (OSError, ValueError):  # name too long, embedded NUL
-            continue
+        if is_file(candidate):
+            return _plain(candidate)
         if len(tried) < 4:
             tried.append(str(candidate))
     package = _package(name)[0]
@@ -50,14 +49,6 @@ def find_file(name: str, folder: Path, package_dirs: Sequence[Path] = ()) -> Pat
     where = ", ".join(tried) or "nowhere"
     hint = "; add the folder that holds the package to package_dirs" if package else ""
     raise MissingFileError(f"no such file: {name} (looked for {where}){hint}")
-
-
-def is_folder(path: Path) -> bool:
-    """Return whether there is such a folder; a name that no file system takes is none."""
-    try:
-        return path.is_dir()
-    except OSError:
-        return False
 
 
 def _plain(path: Path) -> Path:
@@ -93,11 +84,26 @@ def find_package(package: str, folder: Path, package_dirs: Sequence[Path] = ()) 
     raise MissingFileError(f"no package {package!r}; add the folder that holds it to package_dirs")
 
 
+def _leaves(rest: str) -> bool:
+    """Return whether a relative path leads out of its folder by `..`, if only on the way."""
+    parts = [part for part in rest.split("/") if part not in ("", ".")]
+    depths = itertools.accumulate(-1 if part == ".." else 1 for part in parts)
+    return any(depth < 0 for depth in depths)
+
+
 def _package(name: str) -> tuple[str, str]:
-    """Split `package://NAME/rest`; both are empty for another name. Extra slashes are let pass."""
+    """Split `package://NAME/rest`; both are empty for another name. Extra slashes are let pass.
+
+    Raises:
+        MissingFileError: The rest leads out of the package.
+    """
     for scheme in ("package://", "model://"):
         if name.startswith(scheme):
             package, _, rest = name.removeprefix(scheme).lstrip("/").partition("/")
+            rest = rest.lstrip("/")
+            if package in (".", "..") or _leaves(rest):
+                message = f"{name} leaves the folder of its package: `..` may not lead out of it"
+                raise MissingFileError(message)
             return package, rest
     return "", ""
 

@@ -44,9 +44,9 @@ def axis_within(
 
     Args:
         frame: Frame that the axis is fixed in, such as `arm2/tip`.
-        axis: (3,) the axis in that frame, of any length.
-        of: (3,) the direction in `seen_from`, of any length.
-        deg: Largest angle between them [deg], above 0 and below 180.
+        axis: (3,) the axis in that frame, of any length, such as `[0, 0, 1]`.
+        of: (3,) the direction in `seen_from`, of any length, such as `[0, 0, -1]`.
+        deg: Largest angle between them [deg], above 0 and below 180, such as `30`.
         seen_from: Frame that the direction is fixed in.
         points: Points of the path, from 0; all by default.
         name: Name for tables.
@@ -85,9 +85,9 @@ def joint_range(
 
     Args:
         cell: The two arms.
-        joint: A joint between the two tools, `arm1/<name>`.
-        deg: Least and most [deg] of a revolute joint.
-        to: Least and most [rad or m] instead.
+        joint: A joint between the two tools, such as `arm1/joint_5`.
+        deg: Least and most [deg] of a revolute joint, such as `[-80, 80]`.
+        to: Least and most [rad or m] instead, such as `[-1.4, 1.4]`.
         points: Points of the path, from 0; all by default.
 
     Raises:

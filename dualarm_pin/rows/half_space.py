@@ -34,8 +34,8 @@ def half_space(
 
     Args:
         frame: Frame that the point is fixed in, such as `arm1/tip`.
-        normal: (3,) direction in axes of `of`; scaled to unit length.
-        offset: Distance of the plane from the origin of `of`, along the normal [m].
+        normal: (3,) direction in axes of `of`, such as `[0, 1, 0]`; scaled to unit length.
+        offset: Distance of the plane from the origin of `of`, along the normal [m], such as `0.2`.
         of: Frame that the plane is fixed in.
         point: (3,) the point in `frame` [m]: its origin by default.
         points: Points of the path, from 0; all by default.
@@ -62,12 +62,24 @@ def half_space(
 
 
 def above(frame: str, z: float, points: Sequence[int] | None = None) -> Row:
-    """Keep the origin of `frame` at least at height z in the world [m]."""
+    """Keep the origin of `frame` at least at height z in the world [m].
+
+    Args:
+        frame: Frame whose origin it is, such as `arm1/tip`.
+        z: Height in the world [m], such as `0.6`.
+        points: Points of the path, from 0; all by default.
+    """
     return half_space(frame, (0.0, 0.0, 1.0), z, points=points, name=f"{frame} above {z:g} m")
 
 
 def below(frame: str, z: float, points: Sequence[int] | None = None) -> Row:
-    """Keep the origin of `frame` at most at height z in the world [m]."""
+    """Keep the origin of `frame` at most at height z in the world [m].
+
+    Args:
+        frame: Frame whose origin it is, such as `arm1/tip`.
+        z: Height in the world [m], such as `1.6`.
+        points: Points of the path, from 0; all by default.
+    """
     return half_space(frame, (0.0, 0.0, -1.0), -z, points=points, name=f"{frame} below {z:g} m")
 
 
@@ -80,7 +92,8 @@ def inside(
 
     Args:
         frame: A frame, such as `arm1/tip`.
-        box: The least and the most along each axis that counts [m], None where there is none.
+        box: The least and the most along each axis that counts [m], None where there is none, such
+            as `{x: [0.7, 0.8], z: [0.6, null]}`.
         points: Points of the path, from 0; all by default.
 
     Raises:

@@ -43,7 +43,13 @@ Points = Annotated[list[Point], Field(min_length=1)]
 
 @one_of(ROWS, without=("points", "name", "cell"))
 class RowSpec(OneOf):
-    """One entry: a kind of row, and where it holds."""
+    """One entry of `constraints:`: a kind of row, and where it holds.
+
+    Attributes:
+        call: A function of your own that returns a `Row`; its arguments stand beside it, such as
+            `my_rows:near`.
+        points: Points of the path, from 1, at which it holds; all by default, such as `[1, 2, 31]`.
+    """
 
     noun = "row"
 

@@ -11,7 +11,12 @@ from dualarm_pin.files.source import Spec
 
 
 class ChordSpec(Spec):
-    """How far the motion may leave the relative path between its samples."""
+    """How far the motion may leave the relative path between its samples.
+
+    Attributes:
+        mm: Largest distance [mm].
+        deg: Largest angle [deg].
+    """
 
     mm: Positive = 0.05
     deg: Positive = 0.01
@@ -22,11 +27,13 @@ class MotionSpec(Spec):
 
     Attributes:
         law: The tool runs at one speed, with ramps at both ends, or as fast as limits allow.
-        feed: Speed of the tool along the path [m/s]; the largest for another law. As fast as
+        feed: Speed of the tool along the path [m/s], such as `0.05`; the largest for another law.
+            As fast as
             limits allow if not given.
         chord: How far it may leave the path.
         rate: Largest time between samples [s].
-        limits: Which limits of the joints to keep; all that are known if not given.
+        limits: Which limits of the joints to keep, such as `[velocity, acceleration]`; all that are
+            known if not given.
         tool_force: Force that the tool exerts along the direction u of each point [N].
     """
 

@@ -18,7 +18,14 @@ from dualarm_pin.task.motion_spec import MotionSpec
 
 
 class SmoothnessSpec(Spec):
-    """lambda of (eq. 19), how joints count in a step, and whether lambda follows the arc length."""
+    """How much smooth motion counts against the index.
+
+    Attributes:
+        weight: lambda of (eq. 19).
+        metric: How the joints count in a step: `equal`, `velocity` (by their speed limits), or a
+            weight for each.
+        per_arc_length: Whether lambda follows the arc length where points lie unevenly.
+    """
 
     weight: Weight = 3.0
     metric: Literal["equal", "velocity"] | list[Weight] = "equal"
@@ -26,7 +33,13 @@ class SmoothnessSpec(Spec):
 
 
 class TwoStageSpec(Spec):
-    """The paper's first stage: points (from 1) and lambda."""
+    """The paper's first stage; it binds the method two-stage alone.
+
+    Attributes:
+        Gamma: The points that it solves, from 1, the first and the last among them; or how many,
+            such as `[1, 7, 13, 19, 25, 31]`.
+        smoothness: lambda of (eq. 20).
+    """
 
     Gamma: list[Point] | Count | None = None
     smoothness: Weight = 1.5
@@ -36,7 +49,7 @@ class TaskSpec(Spec):
     """A task file.
 
     Attributes:
-        cell: A cell file, or a cell.
+        cell: A cell file, or a cell, such as `cell.yaml`.
         path: One curve, and how the tool is held along it.
         index: What is minimised at each point.
         smoothness: lambda of (eq. 19), or more about it.
@@ -44,9 +57,9 @@ class TaskSpec(Spec):
         constraints: What must hold at points of the path beside the pose.
         clearance: How far apart bodies must stay: a distance, more about it, or `off`.
         motion: How its answer runs in time, if that is asked.
-        method: How to plan it where the caller does not say: a name, or `call`.
-        solver: The solver of that method: a name, or `call`.
-        module_dirs: Further folders in which the modules of `call` are found.
+        method: How to plan it where the caller does not say: a name, or `call`, such as `global`.
+        solver: The solver of that method: a name, or `call`, such as `engine`.
+        module_dirs: Further folders in which the modules of `call` are found, such as `[./code]`.
     """
 
     cell: str | dict[str, Any]

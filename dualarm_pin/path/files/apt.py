@@ -42,11 +42,13 @@ def read_apt(
     unless said, so z of e2 points the other way. It holds until another one is given.
 
     Args:
-        file: The program; millimetres unless it says UNITS/INCHES.
-        points: Resample to so many points; or
-        step: resample with this largest distance [m]. With neither the GOTO points are the path.
+        file: The program, such as `part.apt`; millimetres unless it says UNITS/INCHES.
+        points: Resample to so many points, such as `61`; or
+        step: resample with this largest distance [m], such as `0.005`. With neither the GOTO points
+            are the path.
         rapids: Moves after RAPID belong to the path.
-        stretch: Which of the stretches between rapids, from 1; needed if there are several.
+        stretch: Which of the stretches between rapids, from 1, such as `1`; needed if there are
+            several.
         **how: See `Hold`.
 
     Raises:

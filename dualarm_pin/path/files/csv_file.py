@@ -42,9 +42,10 @@ def read_csv(
     `orientation` hold, as for every curve. Empty lines and lines that start with # are skipped.
 
     Args:
-        file: The file.
-        points: Resample to so many points; or
-        step: resample with this largest distance [m]. With neither the points stay as they are.
+        file: The file, such as `path.csv`.
+        points: Resample to so many points, such as `61`; or
+        step: resample with this largest distance [m], such as `0.005`. With neither the points stay
+            as they are.
         smooth: The curve between the points is a cubic spline instead of straight lines.
         **how: See `Hold`.
 

@@ -58,10 +58,11 @@ def read_gcode(
     else that moves the tool is refused. An axis that was never given stands at 0.
 
     Args:
-        file: The program.
+        file: The program, such as `part.nc`.
         work_offset: Origin of the program's coordinates in e1 (or in `frame`), shape (3,) [m].
         rapids: G0 belongs to the path.
-        stretch: Which of the stretches between rapids, from 1; needed if there are several.
+        stretch: Which of the stretches between rapids, from 1, such as `1`; needed if there are
+            several.
         **how: See `Follow`.
 
     Raises:

@@ -45,7 +45,7 @@ def corner(
         height: z of the plane [m].
         points: Three numbers h1, h2, h3 of points on the first side, the fillet and the second
             side, exactly by the paper's formulas; or one number, evenly by arc length.
-        step: Largest distance of neighbours [m], instead of `points`.
+        step: Largest distance of neighbours [m], instead of `points`, such as `0.01`.
         **how: See `Hold`.
 
     Raises:
@@ -79,10 +79,10 @@ def circle(
     """Return a circle, counter-clockwise seen from +z; first and last point are the same place.
 
     Args:
-        radius: Above 0 [m].
+        radius: Above 0 [m], such as `0.1`.
         center: x and y [m].
         height: z of the plane [m].
-        start: Angle of the first point from x [rad].
+        start: Angle of the first point from x [rad], such as `0.0`.
         turns: How often it goes round; negative for clockwise.
         **how: See `Follow`.
 
@@ -106,9 +106,9 @@ def arc(
     """Return an arc about z from the angle `start` to `stop`.
 
     Args:
-        radius: Above 0 [m].
-        start: Angle of the first point from x [rad].
-        stop: Angle of the last point [rad]; below `start` for clockwise.
+        radius: Above 0 [m], such as `0.1`.
+        start: Angle of the first point from x [rad], such as `0.0`.
+        stop: Angle of the last point [rad], such as `1.5707963268`; below `start` for clockwise.
         center: x and y [m].
         height: z of the plane [m].
         **how: See `Follow`.
@@ -134,9 +134,9 @@ def raster(
     """Return rows to and fro along x, one beside the other along y.
 
     Args:
-        width: Length of a row [m].
-        depth: Distance of the first and the last row [m].
-        rows: Number of rows, 2 or more.
+        width: Length of a row [m], such as `0.24`.
+        depth: Distance of the first and the last row [m], such as `0.16`.
+        rows: Number of rows, 2 or more, such as `5`.
         fillet: Radius at the ends of the rows [m]; 0 for sharp corners.
         center: x and y of the middle [m].
         height: z of the plane [m].

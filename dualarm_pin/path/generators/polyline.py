@@ -24,7 +24,7 @@ def polyline(
     """Return straight lines through vertices in space.
 
     Args:
-        vertices: Shape (k, 3), in e1 [m].
+        vertices: Shape (k, 3), in e1 [m], such as `[[0, 0, 0.3], [0.1, 0, 0.3], [0.1, 0.1, 0.3]]`.
         fillet: Radius at every inner vertex [m]; 0 for sharp corners, which are points then.
         closed: Go back to the start; with a fillet it starts behind the one of the first vertex.
         **how: See `Follow`.

@@ -31,9 +31,9 @@ def helix(
     """Return a helix about z, rising from `height`.
 
     Args:
-        radius: Above 0 [m].
-        pitch: Rise of one turn [m]; negative to go down.
-        turns: How often it goes round; negative for clockwise seen from +z.
+        radius: Above 0 [m], such as `0.06`.
+        pitch: Rise of one turn [m], such as `0.04`; negative to go down.
+        turns: How often it goes round, such as `2`; negative for clockwise seen from +z.
         center: x and y of the axis [m].
         height: z of the first point [m].
         start: Angle of the first point from x [rad].
@@ -53,7 +53,8 @@ def spline(through: Points3, *, closed: bool = False, **how: Unpack[Follow]) -> 
     The parameter is the chord length; open ends have no curvature of their own ("not-a-knot").
 
     Args:
-        through: Shape (k, 3), in e1 [m]; at least 2, or 3 when closed.
+        through: Shape (k, 3), in e1 [m], such as `[[0, 0, 0.3], [0.1, 0, 0.3], [0.1, 0.1, 0.3]]`;
+            at least 2, or 3 when closed.
         closed: Go back to the first point, smoothly.
         **how: See `Follow`.
 

@@ -30,7 +30,7 @@ def dome_spiral(
     """Return a spiral down a dome, as polishing runs; the tool stands on the dome by default.
 
     Args:
-        radius: Radius of the sphere [m].
+        radius: Radius of the sphere [m], such as `0.15`.
         turns: How often it goes round; negative for clockwise seen from +z.
         inner: Angle between z and the first point, seen from the centre [rad].
         outer: The same for the last point [rad].
@@ -86,8 +86,8 @@ def tube_seam(
     the branch by `tilt`, in the plane across the seam (the work angle of a weld).
 
     Args:
-        radius: Radius r of the branch [m].
-        tube_radius: Radius R of the lying tube, larger than r [m].
+        radius: Radius r of the branch [m], such as `0.05`.
+        tube_radius: Radius R of the lying tube, larger than r [m], such as `0.09`.
         tilt: Angle between the tool and the wall of the branch [rad]; 0 runs along the wall.
         turns: How often it goes round; negative for clockwise seen from +z.
         start: Angle a of the first point [rad].

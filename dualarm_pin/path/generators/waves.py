@@ -29,7 +29,7 @@ def sine(
     """Return a sine wave along x, as a weaving weld runs.
 
     Args:
-        length: Extent along x [m].
+        length: Extent along x [m], such as `0.2`.
         amplitude: Half of the extent along y [m].
         periods: Number of waves.
         center: x and y of the middle [m].
@@ -63,7 +63,7 @@ def figure_eight(
     """Return a figure eight along x, closed: x = a sin t, y = a sin t cos t.
 
     Args:
-        radius: Half of its extent along x, a [m]; along y it reaches half as far.
+        radius: Half of its extent along x, a [m], such as `0.1`; along y it reaches half as far.
         center: x and y of the crossing, where it starts [m].
         height: z of the plane [m].
         **how: See `Follow`.
