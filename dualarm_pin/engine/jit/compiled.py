@@ -62,6 +62,15 @@ def entry(function: F) -> F:
     return cast(F, jitted)
 
 
+def c_function(function: Callable[..., Any], signature: Any) -> Any:
+    """Compile a function that compiled code calls by its `address`; kept on disk likewise."""
+    how: Any = numba.cfunc(
+        signature, fastmath=_FAST, error_model="numpy", nogil=True, _nrt=False, cache=True
+    )
+    with global_compiler_lock, _only_the_entry(function.__qualname__):
+        return how(function)
+
+
 @contextmanager
 def _only_the_entry(name: str) -> Iterator[None]:
     """Optimise and assemble the entry alone: what it calls is part of it and never runs by itself.

@@ -9,22 +9,19 @@ numba cannot compile at all is called in Python, some hundred times slower, with
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import importlib.util
 import inspect
 import sys
-import tempfile
 import warnings
 from collections.abc import Callable
 from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
 from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError, NumbaWarning
 
+from dualarm_pin.engine.jit.kept_module import kept_module
 from dualarm_pin.indices.custom import DifferenceCurvature, DifferenceGradient
 from dualarm_pin.rows.row import DifferenceBend, DifferenceSlope
 
@@ -182,36 +179,7 @@ def _compiled(function: Function, signature: Signature) -> Any:
         space: dict[str, Any] = dict(text.given)
         exec(compile(source, "<function of the user>", "exec"), space)
         return space["entry"]
-    digest = hashlib.sha256(source.encode())
-    for file in text.sources:
-        digest.update(file.read_bytes())
-    name = f"function_{digest.hexdigest()[:20]}"
-    file = _folder() / f"{name}.py"
-    if not file.exists():
-        # Written whole under another name first: another process may be reading it.
-        with tempfile.NamedTemporaryFile("w", dir=file.parent, suffix=".tmp", delete=False) as new:
-            new.write(source)
-        Path(new.name).replace(file)
-    spec = importlib.util.spec_from_file_location(name, file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module.entry
-
-
-@cache
-def _folder() -> Path:
-    """Return a folder of the user's for compiled functions, or one of this process."""
-    chosen = getattr(numba.config, "CACHE_DIR", "")
-    folder = Path(chosen) if chosen else Path.home() / ".cache" / "dualarm_pin"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError:
-        return Path(tempfile.mkdtemp(prefix="dualarm_pin"))
+    return kept_module(source, [file.read_bytes() for file in text.sources]).entry
 
 
 _POINTER = ctypes.POINTER(ctypes.c_double)
