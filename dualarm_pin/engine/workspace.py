@@ -43,7 +43,7 @@ class Scratch(NamedTuple):
     index_calls: Annotated[Integers, "3"]  # addresses of phi, gradient and curvature of the user's
     model: Annotated[Floats, "22 6"]  # what a kernel fills, see `kernels.layout`
     along: Annotated[Floats, "6 n"]  # f_a . J_r for the six vectors of the model
-    slopes: Annotated[Floats, "6 E n"]  # their derivatives by element
+    moments: Annotated[Floats, "6 6 E"]  # dJ times the same, weighted, by element
     own: Annotated[Floats, "6 E"]  # f_a . dA f_a by element
     change: Annotated[Floats, "E"]  # f_a . dA f_b of one pair
     place: Annotated[Floats, "E+1 7"]  # segments of the chain in e1, for rows

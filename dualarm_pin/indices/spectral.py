@@ -21,7 +21,6 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.indices.index import Index, Weights, weighted
 
-
 DOUBLINGS = 6  # P = 2^6: an error of 1.4 %, and starts converge as often as with force
 POWER = 2.0**DOUBLINGS  # a power of two, so that it is a few squares
 SMOOTHING_ERROR = 1.0 - 6.0 ** (-0.5 / POWER)  # of a singular value, where all six are equal

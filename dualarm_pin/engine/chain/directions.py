@@ -1,4 +1,4 @@
-"""What J_r is along a direction of the task space, and A = J_r W J_r^T; rows of J_r are weighted."""
+"""The weighted J_r along a direction of the task space, and A = J_r W J_r^T."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def projected_columns(
 def projected_slopes(
     problem: Problem, f: Vector, m: Vector, scratch: Scratch, slope: Floats
 ) -> None:
-    """Fill slope (E, n) = [f; m] . dJ_k/dq_j: f . (w_min x v_max), and m . (w_j x w_e) for j < e."""
+    """Fill slope (E, n): [f; m] . dJ_k/dq_j = f . (w_min x v_max) + m . (w_j x w_e) for j < e."""
     chain, w, v, C = problem.chain, scratch.w, scratch.v, scratch.chain_slope
     elements = w.shape[1]
     turning = m[0] != 0.0 or m[1] != 0.0 or m[2] != 0.0

@@ -12,16 +12,17 @@ _SWEEPS = 60  # of one eigenvalue; two are usual
 
 
 @compiled
-def eigen(A: Floats, V: Floats, lam: Floats, beside: Floats) -> None:
-    """Fill eigenvalues lam (6,) in no order and eigenvectors as rows of V (6, 6).
+def eigen(A: Floats, vectors: bool, V: Floats, lam: Floats, beside: Floats) -> None:
+    """Fill eigenvalues lam (6,) in no order and, if asked, eigenvectors as rows of V (6, 6).
 
     Args:
         A: (6, 6), overwritten.
-        V: Filled.
+        vectors: Whether V is wanted.
+        V: Filled if so.
         lam: Filled.
         beside: (6,) room for the entries beside the diagonal.
     """
-    _tridiagonal(A, V)
+    _tridiagonal(A, vectors, V)
     for r in range(6):
         lam[r] = A[r, r]
         beside[r] = A[r + 1, r] if r < 5 else 0.0
@@ -35,15 +36,16 @@ def eigen(A: Floats, V: Floats, lam: Floats, beside: Floats) -> None:
                 last += 1
             if last == first:
                 break
-            _sweep(first, last, lam, beside, V)
+            _sweep(first, last, lam, beside, vectors, V)
 
 
 @compiled
-def _tridiagonal(A: Floats, V: Floats) -> None:
+def _tridiagonal(A: Floats, vectors: bool, V: Floats) -> None:
     """Mirror A to tridiagonal form; the product of the mirrors is left in V."""
-    for r in range(6):
-        for c in range(6):
-            V[r, c] = 1.0 if r == c else 0.0
+    if vectors:
+        for r in range(6):
+            for c in range(6):
+                V[r, c] = 1.0 if r == c else 0.0
     for k in range(4):
         tail = 0.0
         for r in range(k + 2, 6):
@@ -69,18 +71,19 @@ def _tridiagonal(A: Floats, V: Floats) -> None:
         for r in range(k + 1, 6):
             for c in range(k + 1, 6):
                 A[r, c] -= A[r, k] * A[k, c] + A[k, r] * A[c, k]
-        for c in range(6):
-            entry = 0.0
-            for r in range(k + 1, 6):
-                entry += A[r, k] * V[r, c]
-            entry *= scale
-            for r in range(k + 1, 6):
-                V[r, c] -= A[r, k] * entry
+        if vectors:
+            for c in range(6):
+                entry = 0.0
+                for r in range(k + 1, 6):
+                    entry += A[r, k] * V[r, c]
+                entry *= scale
+                for r in range(k + 1, 6):
+                    V[r, c] -= A[r, k] * entry
         A[k + 1, k] = length
 
 
 @compiled
-def _sweep(first: int, last: int, lam: Floats, beside: Floats, V: Floats) -> None:
+def _sweep(first: int, last: int, lam: Floats, beside: Floats, vectors: bool, V: Floats) -> None:
     """Chase one bulge from `last` up to `first`, with the shift of Wilkinson."""
     half = 0.5 * (lam[first + 1] - lam[first]) / beside[first]
     root = math.sqrt(half * half + 1.0)
@@ -101,7 +104,7 @@ def _sweep(first: int, last: int, lam: Floats, beside: Floats, V: Floats) -> Non
         moved = sine * root
         lam[r + 1] = shifted + moved
         shifted = cosine * root - edge
-        for c in range(6):
+        for c in range(6 if vectors else 0):
             above, below = V[r, c], V[r + 1, c]
             V[r + 1, c] = sine * above + cosine * below
             V[r, c] = cosine * above - sine * below

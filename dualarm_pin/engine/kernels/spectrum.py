@@ -15,6 +15,7 @@ from dualarm_pin.engine.kernels.layout import BASIS, BOTH, PAIR, ROOM, SLOPE, VA
 from dualarm_pin.indices.spectral import DOUBLINGS, SINGULAR
 
 _POWER = 2.0**DOUBLINGS  # of the smooth extremes
+_NOTHING = 1e-20  # of the largest: lost in rounding, and a direction less to carry to the joints
 _APART = 0.1  # of the smaller one: eigenvalues this far apart lose no digit in a plain difference
 
 
@@ -34,7 +35,7 @@ def inverse_condition_number(A: Floats, u: Floats, wanted: bool, model: Floats) 
 def _smooth_ratio(A: Floats, wanted: bool, model: Floats, both: bool) -> None:
     """Fill the model of -sqrt(low), or where `both` of -sqrt(low / high)."""
     room, V, lam = model[PAIR : PAIR + 6], model[BASIS : BASIS + 6], model[SLOPE]
-    least, most = _spectrum(A, room, V, lam, model[ROOM])
+    least, most = _spectrum(A, room, wanted, V, lam, model[ROOM])
     power_sum, top_sum = 0.0, 0.0
     for a in range(6):
         if lam[a] > 0.0:
@@ -51,9 +52,9 @@ def _smooth_ratio(A: Floats, wanted: bool, model: Floats, both: bool) -> None:
 
 @compiled
 def _spectrum(
-    A: Floats, room: Floats, V: Floats, lam: Floats, beside: Floats
+    A: Floats, room: Floats, vectors: bool, V: Floats, lam: Floats, beside: Floats
 ) -> tuple[float, float]:
-    """Fill eigenvectors and eigenvalues; return the smallest and largest that count.
+    """Fill eigenvalues and, if asked, eigenvectors; return the smallest and largest that count.
 
     A row of weight 0 gets an eigenvalue below all others, and then 0: it does not count.
     """
@@ -65,7 +66,7 @@ def _spectrum(
             room[r, c] = A[r, c]
         if not A[r, r] > 0.0:
             room[r, r] = -trace
-    eigen(room, V, lam, beside)
+    eigen(room, vectors, V, lam, beside)
     most, least = SINGULAR * trace, math.inf
     for a in range(6):
         most = max(most, lam[a])
@@ -83,7 +84,7 @@ def _power(x: float) -> float:
     """Return x to the power of the smooth extremes."""
     for _ in range(DOUBLINGS):
         x *= x
-    return x
+    return x if x > _NOTHING else 0.0
 
 
 @compiled
