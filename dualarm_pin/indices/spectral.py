@@ -236,15 +236,14 @@ def _curvature(A: Array, D: Array, *, top: bool) -> Array:
     along = np.diag(inner)
     d_value = 0.5 * value * ((p - r) @ along)
     change = np.diag(d_value * (p - r) + value * POWER * (p * (p @ along) + r * (r @ along)))
-    quotient = np.log(lam[:, None] / lam[None, :])
+    rows, columns = np.broadcast_arrays(lam[:, None], lam[None, :])
     for slope, exponent, sign in ((p, -POWER - 1.0, 1.0), (r, POWER - 1.0, -1.0)):
         # (lam_a^e - lam_b^e) / (lam_a - lam_b), from the side where the power is the larger one
-        larger = np.where(slope[:, None] > slope[None, :], slope[:, None], slope[None, :])
-        apart = np.where(slope[:, None] > slope[None, :], -quotient, quotient)
-        base = np.where(slope[:, None] > slope[None, :], lam[:, None], lam[None, :])
-        same = apart == 0.0
-        safe = np.where(same, 1.0, apart)
-        ratio = np.where(same, exponent, np.expm1(exponent * safe) / np.expm1(safe))
-        change += sign * value * inner * larger / base * ratio
+        first = rows < columns if exponent < 0.0 else rows > columns
+        apart = np.log(np.where(first, columns / rows, rows / columns))
+        larger = np.where(first, slope[:, None] / rows, slope[None, :] / columns)
+        safe = np.where(apart == 0.0, 1.0, apart)
+        ratio = np.expm1(exponent * safe) / np.expm1(safe)
+        change += sign * value * inner * larger * np.where(apart == 0.0, exponent, ratio)
     result: Array = V @ (0.5 * change) @ V.T
     return result

@@ -21,17 +21,20 @@ import numba
 _ONE_TIME = (1, 1)  # s: numba compares times, and two processes may write the same file
 
 
-def kept_module(text: str, depends_on: Iterable[bytes]) -> Any:
+def kept_module(text: str, depends_on: Iterable[bytes], **given: Any) -> Any:
     """Return the module of this text, written once.
 
     Args:
         text: Its source.
         depends_on: Whatever else makes it another module when it changes: sources it imports from.
+        **given: What it finds among its globals when it is first run in this process.
     """
     digest = hashlib.sha256(text.encode())
     for part in depends_on:
         digest.update(hashlib.sha256(part).digest())
     name = f"function_{digest.hexdigest()[:20]}"
+    if name in sys.modules:
+        return sys.modules[name]
     file = _folder() / f"{name}.py"
     if not file.exists():
         # Written whole under another name first: another process may be reading it.
@@ -43,6 +46,7 @@ def kept_module(text: str, depends_on: Iterable[bytes]) -> Any:
     assert spec is not None
     assert spec.loader is not None
     module = importlib.util.module_from_spec(spec)
+    vars(module).update(given)
     sys.modules[name] = module
     spec.loader.exec_module(module)
     return module

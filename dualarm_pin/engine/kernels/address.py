@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any
 
-from numba import typeof
+import numba
 
 from dualarm_pin.engine.jit import records  # noqa: F401  registers what compiled code reads
 from dualarm_pin.engine.jit.address import point_signature
@@ -37,6 +37,7 @@ def entry(problem, i, scratch, wanted):
         add_modelled(problem, i, scratch)
     return scratch.model[VALUE, 0]
 """
+_typeof: Any = numba.typeof
 _kept: list[Any] = []  # whatever has an address in use must stay alive
 
 
@@ -46,7 +47,7 @@ def index_address(problem: Problem, scratch: Scratch) -> int:
     Raises:
         InputError: The index names a kernel that there is not.
     """
-    return _address(problem.index.kernel, point_signature(typeof(problem), typeof(scratch)))
+    return _address(problem.index.kernel, point_signature(_typeof(problem), _typeof(scratch)))
 
 
 @cache
