@@ -1,9 +1,10 @@
 """Every index against force: time a point and iteration, share of starts that converge.
 
 Run `python benchmarks/indices.py [--starts N] [--only NAME ...]`: all tasks that ship, and two
-made-up cells with paths that they reach. It fails where an index takes more than LARGEST_RATIO times
-as long as force (the median over the tasks), or converges less often over all of them. Starts are
-minima of the index at the middle point alone, at every point; seconds are those of the processor.
+made-up cells with paths that they reach. It fails where an index takes more than LARGEST_RATIO
+times as long as force (the median over the tasks), or converges less often over all of them.
+Starts are minima of the index at the middle point alone, at every point; seconds are those of the
+processor.
 """
 
 from __future__ import annotations
@@ -96,7 +97,7 @@ def main() -> int:
     for name in INDICES:
         ratio = float(np.median(np.divide(cost[name], cost["force"])))
         converged = float(np.mean(share[name]))
-        bad = ratio > LARGEST_RATIO or converged < np.mean(share["force"]) - SLACK
+        bad = bool(ratio > LARGEST_RATIO or converged < np.mean(share["force"]) - SLACK)
         failed |= bad
         print(f"{name:25} {ratio:.2f} times force, {converged:.1%} converged{'  FAILED' * bad}")
     return int(failed)

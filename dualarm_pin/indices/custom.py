@@ -136,6 +136,7 @@ def difference_curvature(
         if size == 0.0:
             return np.zeros((6, 6))
         h = step * max(np.max(np.abs(A)), 1e-12) / size
-        return (gradient(A + h * D, u) - gradient(A - h * D, u)) / (2.0 * h)
+        result: Array = (gradient(A + h * D, u) - gradient(A - h * D, u)) / (2.0 * h)
+        return result
 
     return curvature
