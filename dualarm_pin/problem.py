@@ -28,7 +28,6 @@ from dualarm_pin.arrays import checked
 from dualarm_pin.chain import Chain, chain_of, quaternion_of
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.indices import Index
-from dualarm_pin.indices.transmission import force_phi
 from dualarm_pin.relative import Relative
 from dualarm_pin.rows.row import Row
 from dualarm_pin.rows.table import RowTable, row_table
@@ -102,7 +101,7 @@ class IndexTerms(NamedTuple):
     """The index by value.
 
     Attributes:
-        kind: FORCE has a kernel of its own, the functions of every other index are CALLED.
+        kind: FORCE is part of the engine; every other index is CALLED, compiled by itself.
         task_scale: (6,) square roots of the task weights.
         joint_weights: (n,) diagonal of W.
         centre: (n,) middle of the bounds.
@@ -444,7 +443,7 @@ def _index_terms(index: Index, bounds: Bounds) -> IndexTerms:
     half = 0.5 * (bounds.upper - bounds.lower)
     half[bounds.fixed] = np.inf
     return IndexTerms(
-        kind=FORCE if index.phi is force_phi else CALLED,
+        kind=FORCE if index.kernel == "force" else CALLED,
         task_scale=np.sqrt(weights),
         joint_weights=checked("joint_weights", joints, (n,)),
         centre=0.5 * (bounds.lower + bounds.upper),

@@ -131,6 +131,17 @@ def index_value(
     return value + _joint_centre(index, q, bounds)[0]
 
 
+def reported_value(
+    index: Index, relative: Relative, u: Array, q: Array, bounds: tuple[Array, Array]
+) -> float:
+    """Return the index that an answer reports: `index_value` without what smoothing changes."""
+    value = index_value(index, relative, u, q, bounds)
+    if index.exact is None:
+        return value
+    A = index_matrix(index, relative.J_r)
+    return value + float(index.exact(A, u)) - float(index.phi(A, u))
+
+
 def index_gradient(
     index: Index, relative: Relative, u: Array, q: Array, bounds: tuple[Array, Array]
 ) -> tuple[float, Array]:

@@ -5,6 +5,7 @@ import pytest
 
 from dualarm_pin import indices
 from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.indices.spectral import SMOOTHING_ERROR
 
 ALL = [
     indices.force,
@@ -36,8 +37,36 @@ def test_values_from_singular_values():
     assert indices.force().phi(A, u) == pytest.approx(np.sum((J.T @ u) ** 2))
     assert indices.velocity().phi(A, u) == pytest.approx(u @ np.linalg.solve(A, u))
     assert indices.yoshikawa().phi(A, u) == pytest.approx(-np.prod(sigma))
-    assert indices.inverse_condition_number().phi(A, u) == pytest.approx(-sigma[-1] / sigma[0])
-    assert indices.smallest_singular_value().phi(A, u) == pytest.approx(-sigma[-1])
+    assert indices.inverse_condition_number().exact(A, u) == pytest.approx(-sigma[-1] / sigma[0])
+    assert indices.smallest_singular_value().exact(A, u) == pytest.approx(-sigma[-1])
+
+
+SMOOTH = {indices.smallest_singular_value: 1, indices.inverse_condition_number: 2}
+
+
+@pytest.mark.parametrize(("make", "extremes"), SMOOTH.items())
+def test_the_smooth_index_is_as_near_to_the_true_one_as_it_says(make, extremes):
+    index, rng = make(), np.random.default_rng(5)
+    for spread in (0.0, 1e-9, 1e-3, 0.1, 1.0):
+        V = np.linalg.qr(rng.normal(size=(6, 6)))[0]
+        A = (V * (1.0 + spread * rng.uniform(size=6))) @ V.T
+        share = index.phi(A, np.zeros(6)) / index.exact(A, np.zeros(6))
+        least = (1.0 - SMOOTHING_ERROR) ** extremes
+        assert least - 1e-12 <= share <= 1.0 + 1e-12
+        if spread == 0.0:
+            assert share == pytest.approx(least)
+    assert SMOOTHING_ERROR < 0.015
+    A = np.diag([1e-4, 1.0, 1.1, 1.2, 1.3, 2.0])
+    assert indices.smallest_singular_value().phi(A, np.zeros(6)) == pytest.approx(-0.01, rel=1e-12)
+
+
+@pytest.mark.parametrize("make", ALL)
+def test_casadi_computes_the_same_index(make):
+    ca = pytest.importorskip("casadi")
+    J, u = random_case(4)
+    A, symbol = J @ J.T, ca.SX.sym("A", 6, 6)
+    value = ca.Function("c", [symbol], [make().expression(ca, symbol, ca.DM(u))])(A)
+    assert float(value) == pytest.approx(make().phi(A, u), rel=1e-9)
 
 
 def test_rows_of_weight_zero_do_not_count():
@@ -47,8 +76,8 @@ def test_rows_of_weight_zero_do_not_count():
     sigma = np.linalg.svd(J[:3], compute_uv=False)
     assert indices.velocity().phi(A, u) == pytest.approx(u[:3] @ np.linalg.solve(A3, u[:3]))
     assert indices.yoshikawa().phi(A, u) == pytest.approx(-np.prod(sigma))
-    assert indices.inverse_condition_number().phi(A, u) == pytest.approx(-sigma[-1] / sigma[0])
-    assert indices.smallest_singular_value().phi(A, u) == pytest.approx(-sigma[-1])
+    assert indices.inverse_condition_number().exact(A, u) == pytest.approx(-sigma[-1] / sigma[0])
+    assert indices.smallest_singular_value().exact(A, u) == pytest.approx(-sigma[-1])
 
 
 def test_singular_matrix_gives_no_nan():

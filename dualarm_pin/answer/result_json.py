@@ -70,6 +70,7 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
             "position_error": checked.position_error,
             "rotation_error": checked.rotation_error,
             "bound_violation": checked.bound_violation,
+            "smoothing_error": checked.smoothing_error,
             "clearance_pairs": () if clearance is None else clearance.pairs,
             "arm_clearance_pairs": () if arms is None else arms.pairs,
             "constraints": [
@@ -170,6 +171,7 @@ def read_result_json(text: bytes, q: Array, index: Array, arc_length: Array) -> 
                 )
                 for row in points.constraints
             ),
+            smoothing_error=points.smoothing_error,
         ),
         method=file.method,
         solver=file.solver,
@@ -249,6 +251,7 @@ class _Points(_Spec):
     clearance_pairs: tuple[Pair, ...] = ()
     arm_clearance_pairs: tuple[Pair, ...] = ()
     constraints: tuple[_Row, ...] = ()
+    smoothing_error: Number = 0.0
 
 
 class _File(_Spec):

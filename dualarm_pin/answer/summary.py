@@ -26,7 +26,7 @@ def summary(task: Task, trajectory: Trajectory) -> str:
         f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",
         f"index        mean {t.mean_index:.4f}, over the arc length {t.arc_mean_index:.4f}, "
         f"largest {t.max_index:.4f} {units}",
-        f"objective    {t.objective:.4f} with lambda {task.smoothness:g}",
+        f"objective    {t.objective:.4f} with lambda {task.smoothness:g}" + _smoothing(t),
         f"pose error   {t.max_position_error:.1e} m, {t.max_rotation_error:.1e} rad",
         f"bounds       violated by {t.max_bound_violation:.1e}, "
         f"largest joint step {t.max_joint_step:.3f} (rad or m)",
@@ -38,6 +38,12 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     if t.evidence.sentences:
         lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
     return "\n".join(lines)
+
+
+def _smoothing(trajectory: Trajectory) -> str:
+    """Return what to know of the objective, where a smooth index was minimised."""
+    error = trajectory.checked.smoothing_error
+    return f", of a smooth index {error:.1g} from the true one at most" if error else ""
 
 
 def _rows(trajectory: Trajectory) -> list[str]:

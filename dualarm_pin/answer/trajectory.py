@@ -98,7 +98,7 @@ class Checked:
 
     Attributes:
         index: Index at each point (h,).
-        objective: Objective (eq. 19) over all points.
+        objective: Objective (eq. 19) over all points; of the smooth index, where one is minimised.
         position_error: Distance to the wanted position (h,) [m].
         rotation_error: Angle to the wanted rotation, or between tool axes with the spin free,
             or 0 where only the position is asked for (h,) [rad].
@@ -109,6 +109,8 @@ class Checked:
             one tells more. None if geometry is missing.
         found: All errors are within tolerance.
         rows: What the rows of the task come to.
+        smoothing_error: Largest distance of `index` from a smooth index that was minimised in its
+            place, 0 where it was minimised itself [unit of the index].
     """
 
     index: Array
@@ -121,6 +123,7 @@ class Checked:
     arm_clearance: Distances | None
     found: bool
     rows: tuple[RowValues, ...] = ()
+    smoothing_error: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)

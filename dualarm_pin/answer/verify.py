@@ -15,7 +15,7 @@ from dualarm_pin.answer.provenance import Timing, versions
 from dualarm_pin.answer.trajectory import Checked, Distances, RowValues, Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, ShapeError
-from dualarm_pin.reference import coupling, index_value
+from dualarm_pin.reference import coupling, index_value, reported_value
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE, Tolerance
 
@@ -97,18 +97,19 @@ def verify(
     everywhere = distances_along(task, q) if clearance else None
     arms = distances_along(task, q, between_arms=True) if clearance else None
     bounds = (cell.lower, cell.upper)
-    figures = np.zeros((4, path.h))
+    figures = np.zeros((5, path.h))
     for i, q_i in enumerate(q):
         relative = Relative(cell, q_i)
         placed = relative.T_e1_e2
         figures[:, i] = (
+            reported_value(task.index, relative, path.u[i], q_i, bounds),
             index_value(task.index, relative, path.u[i], q_i, bounds),
             np.linalg.norm(placed.translation - path.position[i]),
             _rotation_distance(path.rotation[i], placed.rotation, path.rows[i], path.spin_axis),
             np.linalg.svd(relative.J_r, compute_uv=False)[-1],
         )
-    index, position_error, rotation_error, singular_value = figures
-    objective = float(np.sum(index)) + coupling(task.problem(), q)[0]
+    index, minimised, position_error, rotation_error, singular_value = figures
+    objective = float(np.sum(minimised)) + coupling(task.problem(), q)[0]
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
     rows = []
     for row in task.rows:
@@ -129,6 +130,7 @@ def verify(
         and bool(np.all(violation <= tolerance.bound))
         and all(row.violation <= tolerance.row for row in rows),
         rows=tuple(rows),
+        smoothing_error=float(np.max(np.abs(minimised - index), initial=0.0)),
     )
 
 

@@ -16,6 +16,7 @@ from dualarm_pin.chain import VARIABLE, Floats, Integers
 from dualarm_pin.engine import entries
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
 from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
+from dualarm_pin.engine.kernels.address import index_address
 from dualarm_pin.engine.workspace import Workspace, new_workspace
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.problem import CALLED, Problem
@@ -353,8 +354,10 @@ def _set_calls(problem: Problem, work: Workspace) -> None:
     """Put the addresses of the index and the rows that have no kernel of their own."""
     index = problem.index
     if problem.terms.kind == CALLED:
-        functions = (index.phi, index.gradient, index.curvature)
-        work.scratch.index_calls[:] = addresses(index.name, functions, INDEX)
+        work.scratch.index_call[0] = index_address(problem, work.scratch)
+        if not index.kernel:
+            functions = (index.phi, index.gradient, index.curvature)
+            work.scratch.index_calls[:] = addresses(index.name, functions, INDEX)
     called = {
         int(source)
         for rows in (problem.equalities, problem.inequalities)

@@ -39,7 +39,13 @@ class Scratch(NamedTuple):
     dG: Annotated[Floats, "6 6"]  # change of G along one dA
     GdJ: Annotated[Floats, "6 n"]  # G times one dJ
     value: Annotated[Floats, "1"]  # phi
-    index_calls: Annotated[Integers, "3"]  # addresses of phi, gradient and curvature
+    index_call: Annotated[Integers, "1"]  # address of what an index other than force contributes
+    index_calls: Annotated[Integers, "3"]  # addresses of phi, gradient and curvature of the user's
+    model: Annotated[Floats, "22 6"]  # what a kernel fills, see `kernels.layout`
+    along: Annotated[Floats, "6 n"]  # f_a . J_r for the six vectors of the model
+    moments: Annotated[Floats, "6 6 E"]  # dJ times the same, weighted, by element
+    own: Annotated[Floats, "6 E"]  # f_a . dA f_a by element
+    change: Annotated[Floats, "E"]  # f_a . dA f_b of one pair
     place: Annotated[Floats, "E+1 7"]  # segments of the chain in e1, for rows
     row_calls: Annotated[Integers, "rows 3"]  # addresses of phi, slope and bend of every row
     row_columns: Annotated[Floats, "6 E"]  # motion of body b seen from body a

@@ -73,10 +73,10 @@ def check_derivatives(
         if not np.isfinite(index.phi(A, u)):
             raise InputError(f"phi is {index.phi(A, u)} at a regular A", field=index.name)
         G = index.gradient(A, u)
-        differences = _on_rows(A, difference_gradient(index.phi, 1e-6, A, u))
+        differences = _on_rows(A, difference_gradient(index.phi, 1e-6)(A, u))
         worst_gradient = max(worst_gradient, _error(_on_rows(A, G), differences))
         C = index.curvature(A, u, D)
-        differences = difference_curvature(index.gradient, 1e-6, A, u, D)
+        differences = difference_curvature(index.gradient, 1e-6)(A, u, D)
         worst_curvature = max(worst_curvature, _error(C, differences))
     report = DerivativeReport(index.name, worst_gradient, worst_curvature, n, tolerance)
     if strict and not report.passed:

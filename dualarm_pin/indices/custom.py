@@ -29,7 +29,11 @@ class DifferenceGradient:
 
     def __call__(self, A: Array, u: Array) -> Array:
         """Return dphi/dA (6, 6), symmetric."""
-        return difference_gradient(self.phi, self.step, A, u)
+        return self.as_function()(A, u)
+
+    def as_function(self) -> Callable[[Array, Array], Array]:
+        """Return the same as a function that can be compiled."""
+        return difference_gradient(self.phi, self.step)
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,7 +50,11 @@ class DifferenceCurvature:
 
     def __call__(self, A: Array, u: Array, D: Array) -> Array:
         """Return the change of the gradient along D (6, 6)."""
-        return difference_curvature(self.gradient, self.step, A, u, D)
+        return self.as_function()(A, u, D)
+
+    def as_function(self) -> Callable[[Array, Array, Array], Array]:
+        """Return the same as a function that can be compiled."""
+        return difference_curvature(self.gradient, self.step)
 
 
 def custom(
@@ -97,30 +105,38 @@ def custom(
 
 
 def difference_gradient(
-    phi: Callable[[Array, Array], float], step: float, A: Array, u: Array
-) -> Array:
-    """Return dphi/dA: entry (i, j) from changing A_ij and A_ji together."""
-    h = step * max(np.max(np.abs(A)), 1e-12)
-    G, B = np.zeros((6, 6)), A.copy()
-    for i in range(6):
-        for j in range(i + 1):
-            share = 1.0 if i == j else 0.5
-            B[i, j] = B[j, i] = A[i, j] + h
-            plus = phi(B, u)
-            B[i, j] = B[j, i] = A[i, j] - h
-            minus = phi(B, u)
-            B[i, j] = B[j, i] = A[i, j]
-            G[i, j] = G[j, i] = share * (plus - minus) / (2.0 * h)
-    return G
+    phi: Callable[[Array, Array], float], step: float
+) -> Callable[[Array, Array], Array]:
+    """Return (A, u) -> dphi/dA: entry (i, j) from changing A_ij and A_ji together."""
+
+    def gradient(A: Array, u: Array) -> Array:
+        h = step * max(np.max(np.abs(A)), 1e-12)
+        G, B = np.zeros((6, 6)), A.copy()
+        for i in range(6):
+            for j in range(i + 1):
+                share = 1.0 if i == j else 0.5
+                B[i, j] = B[j, i] = A[i, j] + h
+                plus = phi(B, u)
+                B[i, j] = B[j, i] = A[i, j] - h
+                minus = phi(B, u)
+                B[i, j] = B[j, i] = A[i, j]
+                G[i, j] = G[j, i] = share * (plus - minus) / (2.0 * h)
+        return G
+
+    return gradient
 
 
 def difference_curvature(
-    gradient: Callable[[Array, Array], Array], step: float, A: Array, u: Array, D: Array
-) -> Array:
-    """Return (G(A + h D) - G(A - h D)) / (2 h)."""
-    size = np.max(np.abs(D))
-    if size == 0.0:
-        return np.zeros((6, 6))
-    h = step * max(np.max(np.abs(A)), 1e-12) / size
-    result: Array = (gradient(A + h * D, u) - gradient(A - h * D, u)) / (2.0 * h)
-    return result
+    gradient: Callable[[Array, Array], Array], step: float
+) -> Callable[[Array, Array, Array], Array]:
+    """Return (A, u, D) -> (G(A + h D) - G(A - h D)) / (2 h)."""
+
+    def curvature(A: Array, u: Array, D: Array) -> Array:
+        size = np.max(np.abs(D))
+        if size == 0.0:
+            return np.zeros((6, 6))
+        h = step * max(np.max(np.abs(A)), 1e-12) / size
+        result: Array = (gradient(A + h * D, u) - gradient(A - h * D, u)) / (2.0 * h)
+        return result
+
+    return curvature

@@ -28,6 +28,9 @@ class Index:
         joint_centre: Weight of the additive term sum_k ((q_k - mid_k) / half_range_k)^2.
         units: Unit of the value.
         expression: (casadi, A, u) -> c as a CasADi expression; None: CasADi cannot solve it.
+        kernel: Name of the engine's closed form of the same function; without one the engine calls
+            phi, gradient and curvature.
+        exact: (A, u) -> the index that answers report, where phi is a smooth one near it.
     """
 
     name: str
@@ -39,6 +42,8 @@ class Index:
     joint_centre: float = 0.0
     units: str = "m^2"
     expression: Callable[[Any, Any, Any], Any] | None = None
+    kernel: str = ""
+    exact: Callable[[Array, Array], float] | None = None
 
     def __post_init__(self) -> None:
         for name, size in (("task_weights", 6), ("joint_weights", None)):

@@ -16,7 +16,14 @@ def force(**weights: Unpack[Weights]) -> Index:
     alpha is the force transmission ratio (eq. 6), weighted (eq. 8).
     """
     return weighted(
-        Index("force", force_phi, force_gradient, force_curvature, expression=force_expression),
+        Index(
+            "force",
+            force_phi,
+            force_gradient,
+            force_curvature,
+            expression=force_expression,
+            kernel="force",
+        ),
         weights,
     )
 
@@ -35,6 +42,7 @@ def velocity(**weights: Unpack[Weights]) -> Index:
             velocity_curvature,
             units="1/m^2",
             expression=velocity_expression,
+            kernel="velocity",
         ),
         weights,
     )

@@ -26,7 +26,6 @@ if TYPE_CHECKING:
 
 Value = Callable[[Array, Array, Array], float]
 Derivative = Callable[[Array, Array, Array], Array]
-Turn = Callable[[Array, Array], Array]
 
 WORLD = "world"
 TIPS = ("arm1/tip", "arm2/tip")
@@ -122,7 +121,11 @@ class DifferenceSlope:
 
     def __call__(self, R: Array, p: Array, parameters: Array) -> Array:
         """Return the derivative (6,)."""
-        return difference_slope(self.phi, turned, R, p, parameters)
+        return self.as_function()(R, p, parameters)
+
+    def as_function(self) -> Derivative:
+        """Return the same as a function that can be compiled."""
+        return difference_slope(self.phi)
 
 
 @dataclass(frozen=True)
@@ -133,41 +136,53 @@ class DifferenceBend:
 
     def __call__(self, R: Array, p: Array, parameters: Array) -> Array:
         """Return the second derivative (6, 6)."""
-        return difference_bend(self.phi, turned, R, p, parameters)
+        return self.as_function()(R, p, parameters)
+
+    def as_function(self) -> Derivative:
+        """Return the same as a function that can be compiled."""
+        return difference_bend(self.phi)
 
 
-def difference_slope(phi: Value, turned: Turn, R: Array, p: Array, parameters: Array) -> Array:
+def difference_slope(phi: Value) -> Derivative:
     """Return the central differences (6,) of phi along the six unit twists."""
-    slope = np.zeros(6)
-    for c in range(6):
-        twist = np.zeros(6)
-        twist[c] = _STEP
-        ahead = phi(turned(R, twist), p + twist[:3], parameters)
-        behind = phi(turned(R, -twist), p - twist[:3], parameters)
-        slope[c] = (ahead - behind) / (2.0 * _STEP)
-    return slope
+
+    def slope_of(R: Array, p: Array, parameters: Array) -> Array:
+        slope = np.zeros(6)
+        for c in range(6):
+            twist = np.zeros(6)
+            twist[c] = _STEP
+            ahead = phi(turned(R, twist), p + twist[:3], parameters)
+            behind = phi(turned(R, -twist), p - twist[:3], parameters)
+            slope[c] = (ahead - behind) / (2.0 * _STEP)
+        return slope
+
+    return slope_of
 
 
-def difference_bend(phi: Value, turned: Turn, R: Array, p: Array, parameters: Array) -> Array:
+def difference_bend(phi: Value) -> Derivative:
     """Return the second central differences (6, 6) of phi along pairs of unit twists."""
-    bend = np.zeros((6, 6))
-    middle = phi(R, p, parameters)
-    for c in range(6):
-        for d in range(c + 1):
-            both, apart = np.zeros(6), np.zeros(6)
-            both[c] += _STEP
-            both[d] += _STEP
-            apart[c] += _STEP
-            apart[d] -= _STEP
-            same = phi(turned(R, both), p + both[:3], parameters)
-            same += phi(turned(R, -both), p - both[:3], parameters)
-            if c == d:
-                bend[c, c] = (same - 2.0 * middle) / (4.0 * _STEP * _STEP)
-                continue
-            other = phi(turned(R, apart), p + apart[:3], parameters)
-            other += phi(turned(R, -apart), p - apart[:3], parameters)
-            bend[c, d] = bend[d, c] = (same - other) / (4.0 * _STEP * _STEP)
-    return bend
+
+    def bend_of(R: Array, p: Array, parameters: Array) -> Array:
+        bend = np.zeros((6, 6))
+        middle = phi(R, p, parameters)
+        for c in range(6):
+            for d in range(c + 1):
+                both, apart = np.zeros(6), np.zeros(6)
+                both[c] += _STEP
+                both[d] += _STEP
+                apart[c] += _STEP
+                apart[d] -= _STEP
+                same = phi(turned(R, both), p + both[:3], parameters)
+                same += phi(turned(R, -both), p - both[:3], parameters)
+                if c == d:
+                    bend[c, c] = (same - 2.0 * middle) / (4.0 * _STEP * _STEP)
+                    continue
+                other = phi(turned(R, apart), p + apart[:3], parameters)
+                other += phi(turned(R, -apart), p - apart[:3], parameters)
+                bend[c, d] = bend[d, c] = (same - other) / (4.0 * _STEP * _STEP)
+        return bend
+
+    return bend_of
 
 
 def turned(R: Array, twist: Array) -> Array:

@@ -25,12 +25,7 @@ The pose constraint with multipliers y = [y_p; y_r] has the same shape, with t =
 from __future__ import annotations
 
 from dualarm_pin.chain import VARIABLE, Chain, Floats
-from dualarm_pin.engine.chain.index_terms import (
-    called_terms,
-    called_value,
-    force_terms,
-    force_value,
-)
+from dualarm_pin.engine.chain.index_terms import index_terms, index_value
 from dualarm_pin.engine.chain.kinematics import (
     constraint_jacobian,
     place_chain,
@@ -42,7 +37,7 @@ from dualarm_pin.engine.chain.row_terms import row_terms, row_values
 from dualarm_pin.engine.chain.vectors import cross, dot
 from dualarm_pin.engine.jit.compiled import compiled, inlined
 from dualarm_pin.engine.workspace import Scratch
-from dualarm_pin.problem import FORCE, Problem
+from dualarm_pin.problem import Problem
 
 
 @compiled
@@ -81,12 +76,7 @@ def point_value(
 ) -> float:
     """Return the objective of point i without links; fill its rows as `point_rows` does."""
     point_rows(problem, i, q, scratch, residual, error, gap)
-    if problem.points.index_weight[i] == 0.0:
-        value = 0.0
-    elif problem.terms.kind == FORCE:
-        value = force_value(problem, i, scratch)
-    else:
-        value = called_value(problem, i, scratch)
+    value = 0.0 if problem.points.index_weight[i] == 0.0 else index_value(problem, i, scratch)
     total: float = 0.0
     for k in range(q.shape[0]):
         away = q[k] - problem.terms.centre[k]
@@ -130,14 +120,7 @@ def point_derivatives(
     pose_rows = problem.points.pose_rows[i]
     rotation_rows(error, problem.points.target_axes[i], scratch.B)
     constraint_jacobian(chain, w, v, scratch.B, jacobian)
-    if problem.points.index_weight[i] == 0.0:
-        # Not zero times the index: an index of the user's own may be infinite here.
-        scratch.b[:] = 0.0
-        scratch.second[:] = 0.0
-    elif problem.terms.kind == FORCE:
-        force_terms(problem, i, scratch)
-    else:
-        called_terms(problem, i, scratch)
+    index_terms(problem, i, scratch)
     index_sums(scratch, gradient, chain)
     add_constraint_factors(pose_rows, y, residual, scratch)
     fill_second(scratch)

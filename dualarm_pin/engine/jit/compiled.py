@@ -20,6 +20,7 @@ from numba.core.compiler_lock import global_compiler_lock
 F = TypeVar("F", bound=Callable[..., Any])
 
 _njit: Any = numba.njit
+_cfunc: Any = numba.cfunc
 
 # Everything of fast math that keeps the meaning of nan and inf: the line search relies on both.
 _FAST = {"reassoc", "contract", "nsz", "arcp"}
@@ -60,6 +61,13 @@ def entry(function: F) -> F:
 
     jitted.compile = compile_as_a_whole
     return cast(F, jitted)
+
+
+def c_function(function: Callable[..., Any], signature: Any) -> Any:
+    """Compile a function that compiled code calls by its `address`; kept on disk likewise."""
+    how = _cfunc(signature, fastmath=_FAST, error_model="numpy", nogil=True, _nrt=False, cache=True)
+    with global_compiler_lock, _only_the_entry(function.__qualname__):
+        return how(function)
 
 
 @contextmanager

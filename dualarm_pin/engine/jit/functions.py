@@ -1,32 +1,25 @@
 """Python functions of small arrays as compiled functions with an address.
 
 An index or a row is written as plain functions. Each is compiled by a small module written for it,
-which imports the function by name, so that numba keeps the machine code on disk from one process to
-the next. A function that cannot be imported (from a notebook, a closure) is compiled anew; what
-numba cannot compile at all is called in Python, some hundred times slower, with a warning.
+so that numba keeps the machine code on disk from one process to the next, wherever the function
+comes from: a module, a notebook, another function. What numba cannot compile at all is called in
+Python, some hundred times slower, with a warning.
 """
 
 from __future__ import annotations
 
 import ctypes
-import hashlib
-import importlib.util
-import inspect
-import sys
-import tempfile
 import warnings
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
-import numba
 import numpy as np
-from numba.core.dispatcher import Dispatcher
 from numba.core.errors import NumbaError, NumbaWarning
 
-from dualarm_pin.indices.custom import DifferenceCurvature, DifferenceGradient
-from dualarm_pin.rows.row import DifferenceBend, DifferenceSlope
+from dualarm_pin.engine.jit.identity import identity_of
+from dualarm_pin.engine.jit.jitted import jitted
+from dualarm_pin.engine.jit.kept_module import kept_module
 
 Function = Callable[..., Any]
 Shape = tuple[int, ...]
@@ -50,18 +43,6 @@ INDEX = (
     Signature((MATRIX, VECTOR), MATRIX),
     Signature((MATRIX, VECTOR, MATRIX), MATRIX),
 )
-_DIFFERENCES: dict[type, tuple[str, str, str, str]] = {
-    # class -> module of the formula, its name, the attribute that it differences, its arguments
-    DifferenceGradient: ("dualarm_pin.indices.custom", "difference_gradient", "phi", "a, b"),
-    DifferenceCurvature: (
-        "dualarm_pin.indices.custom",
-        "difference_curvature",
-        "gradient",
-        "a, b, c",
-    ),
-    DifferenceSlope: ("dualarm_pin.rows.row", "difference_slope", "phi", "a, b, c"),
-    DifferenceBend: ("dualarm_pin.rows.row", "difference_bend", "phi", "a, b, c"),
-}
 _kept: list[Any] = []  # whatever has an address in use must stay alive
 
 
@@ -100,118 +81,33 @@ def _address(name: str, function: Function, signature: Signature) -> int:
     return ctypes.cast(found, ctypes.c_void_p).value or 0
 
 
-class _Text:
-    """The module that compiles one function: its lines, and what they cannot import."""
-
-    def __init__(self) -> None:
-        self.lines = ["from numba import carray, cfunc, njit, types"]
-        self.defined = 0
-        self.given: dict[str, Function] = {}
-        self.sources: list[Path] = []
-
-    def define(self, function: Function) -> str:
-        """Add lines that define a compiled function; return its name."""
-        self.defined += 1
-        name = f"f{self.defined}"
-        if type(function) in _DIFFERENCES:
-            module, formula, attribute, given = _DIFFERENCES[type(function)]
-            inner = self.define(getattr(function, attribute))
-            if hasattr(function, "step"):
-                how = repr(function.step)
-            else:
-                how = "turned"
-                self.lines += [f"from {module} import turned", "turned = njit(turned)"]
-            self.lines += [
-                f"from {module} import {formula} as formula_{name}",
-                f"formula_{name} = njit(formula_{name})",
-                "@njit(error_model='numpy')",
-                f"def {name}({given}):",
-                f"    return formula_{name}({inner}, {how}, {given})",
-            ]
-            return name
-        plain = function.py_func if isinstance(function, Dispatcher) else function
-        source = _importable(plain)
-        if source is None:
-            self.given[name] = plain
-        else:
-            self.sources.append(source)
-            self.lines.append(f"from {plain.__module__} import {plain.__name__} as {name}")
-        if not isinstance(function, Dispatcher) or source is None:
-            self.lines.append(f"{name} = njit(error_model='numpy')({name})")
-        return name
-
-    def entry(self, name: str, signature: Signature) -> str:
-        """Add the C function and return the whole text."""
-        given = [
-            f"carray({pointer}, {shape})"
-            for pointer, shape in zip("abc", signature.arguments, strict=False)
-        ]
-        result = f"{name}({', '.join(given)})"
-        whole = [f"result = carray(out, {signature.result})", "result[:] = float('nan')"]
-        body = [*whole, f"result[:] = {result}"]
-        if not signature.result:
-            body = ["out[0] = float('nan')", f"out[0] = {result}"]
-        self.lines += [
-            "POINTER = types.CPointer(types.float64)",
-            f"@cfunc(types.void(*[POINTER] * 4), cache={not self.given})",
-            "def entry(a, b, c, out):",
-            *(f"    {line}" for line in body),
-        ]
-        return "\n".join(self.lines) + "\n"
-
-
-def _importable(function: Function) -> Path | None:
-    """Return the file of a function that another process finds by its name, or None."""
-    module = sys.modules.get(getattr(function, "__module__", None) or "")
-    if module is None or module.__name__ == "__main__":
-        return None
-    if getattr(module, getattr(function, "__qualname__", ""), None) is not function:
-        found = getattr(module, getattr(function, "__qualname__", ""), None)
-        if not isinstance(found, Dispatcher) or found.py_func is not function:
-            return None
-    try:
-        return Path(inspect.getfile(function))
-    except TypeError:
-        return None
+_ENTRY = """from numba import carray, cfunc, types
+POINTER = types.CPointer(types.float64)
+@cfunc(types.void(*[POINTER] * 4), cache={kept})
+def entry(a, b, c, out):
+    {first}
+    {then} = function({given})
+"""
 
 
 def _compiled(function: Function, signature: Signature) -> Any:
-    text = _Text()
-    source = text.entry(text.define(function), signature)
-    if text.given:
-        space: dict[str, Any] = dict(text.given)
-        exec(compile(source, "<function of the user>", "exec"), space)
-        return space["entry"]
-    digest = hashlib.sha256(source.encode())
-    for file in text.sources:
-        digest.update(file.read_bytes())
-    name = f"function_{digest.hexdigest()[:20]}"
-    file = _folder() / f"{name}.py"
-    if not file.exists():
-        # Written whole under another name first: another process may be reading it.
-        with tempfile.NamedTemporaryFile("w", dir=file.parent, suffix=".tmp", delete=False) as new:
-            new.write(source)
-        Path(new.name).replace(file)
-    spec = importlib.util.spec_from_file_location(name, file)
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[name] = module
-    spec.loader.exec_module(module)
-    return module.entry
-
-
-@cache
-def _folder() -> Path:
-    """Return a folder of the user's for compiled functions, or one of this process."""
-    chosen = getattr(numba.config, "CACHE_DIR", "")
-    folder = Path(chosen) if chosen else Path.home() / ".cache" / "dualarm_pin"
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except OSError:
-        return Path(tempfile.mkdtemp(prefix="dualarm_pin"))
+    identity = identity_of(function)
+    pointers = zip("abc", signature.arguments, strict=False)
+    first, then = "out[0] = float('nan')", "out[0]"
+    if signature.result:
+        first = f"result = carray(out, {signature.result}); result[:] = float('nan')"
+        then = "result[:]"
+    text = _ENTRY.format(
+        kept=identity is not None,
+        first=first,
+        then=then,
+        given=", ".join(f"carray({pointer}, {shape})" for pointer, shape in pointers),
+    )
+    if identity is not None:
+        return kept_module(text, [identity], function=jitted(function)).entry
+    space: dict[str, Any] = {"function": jitted(function)}
+    exec(compile(text, "<function of the user>", "exec"), space)
+    return space["entry"]
 
 
 _POINTER = ctypes.POINTER(ctypes.c_double)
