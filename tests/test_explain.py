@@ -38,7 +38,8 @@ def test_every_key_has_a_meaning_and_an_example_that_is_valid(section: type[Base
         assert about.example is not None, f"{name}: give an example, such as `...`"
         assert "such as" not in about.text, name
         needed = {n: said[n].example for n, f in section.model_fields.items() if f.is_required()}
-        bases = ({}, needed, example_of(section), {"call": "my_module:my_function"})
+        others = ({other: said[other].example} for other in said)
+        bases = ({}, needed, example_of(section), {"call": "my_module:my_function"}, *others)
         tries = [base | {name: about.example} for base in bases]
         refused = []
         for content in tries:

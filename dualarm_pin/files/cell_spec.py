@@ -175,7 +175,12 @@ class ArmsSpec(Spec):
 
 
 class RoundSpec(Spec):
-    """A cylinder or capsule along z about its middle; the length of a capsule is without ends."""
+    """A cylinder or capsule along z about its middle.
+
+    Attributes:
+        radius: Radius [m], such as `0.03`.
+        length: Length [m], that of a capsule without its ends, such as `0.2`.
+    """
 
     radius: Positive
     length: Positive
@@ -185,15 +190,16 @@ class ObjectSpec(Spec):
     """Something that stands in the cell or is carried: exactly one shape, in metres.
 
     Attributes:
-        box: Lengths of its edges along x, y and z.
-        sphere: Radius.
-        cylinder: Radius and length.
-        capsule: Radius and length.
-        mesh: A file.
-        scale: Factor of a mesh: 0.001 for a file in millimetres.
-        on: What carries it: `world`, the tool frame of an arm, `arm1`, or a link, `arm1/<link>`.
-        at: Pose of its middle, or of the mesh, in that frame.
-        allow: Bodies that it may touch.
+        box: Lengths of its edges along x, y and z, such as `[0.6, 1.2, 0.05]`.
+        sphere: Radius, such as `0.1`.
+        cylinder: Radius and length, such as `{radius: 0.03, length: 0.2}`.
+        capsule: Radius and length, such as `{radius: 0.03, length: 0.2}`.
+        mesh: A file, such as `part.stl`.
+        scale: Factor of a mesh: 0.001 for a file in millimetres, such as `0.001`.
+        on: What carries it: `world`, the tool frame of an arm, `arm1`, or a link, such as
+            `arm1/link_3`.
+        at: Pose of its middle, or of the mesh, in that frame, such as `{xyz: [1.25, 0, 0.2]}`.
+        allow: Bodies that it may touch, such as `[arm1/link_6]`.
     """
 
     box: tuple[Positive, Positive, Positive] | None = None

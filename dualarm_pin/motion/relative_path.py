@@ -15,9 +15,8 @@ from dualarm_pin.path.path import WHOLE_POSE, through
 from dualarm_pin.tolerance import TOLERANCE
 
 Flags = NDArray[np.bool_]
-_TURN_LENGTH = (
-    0.1  # m: a turn on the spot by 1 rad counts as this much way, else it would take none
-)
+# A turn on the spot by 1 rad counts as this much way [m], else it would take none.
+_TURN_LENGTH = 0.1
 
 
 class RelativePath:
