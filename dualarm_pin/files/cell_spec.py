@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
 import pinocchio as pin
@@ -101,6 +101,26 @@ class JointSettings(Spec):
         return data
 
 
+class ControllerSpec(Spec):
+    """How the controller of an arm counts its axes, by joint name of the URDF.
+
+    axis = sign * joint + offset, and then factor * axis of every joint that is coupled to it.
+
+    Attributes:
+        signs: 1 or -1; 1 where nothing is said.
+        offsets_deg: 0 where nothing is said; revolute joints only.
+        coupling: Joint to {other joint: factor}; that of the controller where nothing is said (the
+            third axis of a FANUC: -1 times the second), none with {}.
+        prefix: Before the names of the joints in files for ROS; `arm1_` or `arm2_` where the arms
+            come from two URDFs, else nothing.
+    """
+
+    signs: dict[str, Literal[-1, 1]] = Field(default_factory=dict)
+    offsets_deg: dict[str, Number] = Field(default_factory=dict)
+    coupling: dict[str, dict[str, Number]] | None = None
+    prefix: str | None = None
+
+
 class ArmSpec(JointSettings):
     """One arm. Without a URDF here or above it is a frame that stands still at `base`.
 
@@ -113,6 +133,7 @@ class ArmSpec(JointSettings):
         base: Pose of the root link in the cell.
         tool: Pose of the tool frame (TCP) in the tip link.
         tool_axis: Direction of the tool in the tool frame, for reports and pictures.
+        controller: How its controller counts the axes, for programs.
     """
 
     urdf: str | None = None
@@ -123,6 +144,7 @@ class ArmSpec(JointSettings):
     base: PlacementSpec | None = None
     tool: PlacementSpec = PlacementSpec()
     tool_axis: Direction = (0.0, 0.0, 1.0)
+    controller: ControllerSpec = ControllerSpec()
 
 
 class ArmsSpec(Spec):

@@ -1,0 +1,188 @@
+"""The relative path that a motion runs along, and how far a program leaves it.
+
+Between the samples of the motion the joints are a smooth curve over the length of the relative
+path, so what the path is does not depend on how fast it is run. The error of a posture is its
+distance from the nearest pose of the path, near in the measure of the tolerance: where along it a
+program is at what time is no error of the path.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.spatial.transform import Rotation
+
+from dualarm_pin.arrays import Array, Integers
+from dualarm_pin.cell import Cell
+from dualarm_pin.exports.format import Chord
+from dualarm_pin.path import Path
+from dualarm_pin.path.path import POSITION_ONLY, SPIN_FREE
+from dualarm_pin.relative import Relative
+
+_SLIDES = 4  # Gauss-Newton steps to the nearest pose: they begin within half a sample of it
+_IDLE = 1e-3  # m/rad: joints that turn while the tools stand still make the length rise a little
+_STILL = 1e-12  # squared speed of poses that stand still, in tolerances
+
+
+class Poses(NamedTuple):
+    """Relative poses T_e1_e2: position (k, 3), rotation (k, 3, 3), rate (k, 6).
+
+    The rate is [linear; angular] in axes of e1, by the length of the path.
+    """
+
+    position: Array
+    rotation: Array
+    rate: Array
+
+    def at(self, which: Integers) -> Poses:
+        """Return some of them."""
+        return Poses(self.position[which], self.rotation[which], self.rate[which])
+
+
+class RelativePath:
+    """The relative path of a motion.
+
+    Args:
+        cell: The two arms.
+        q: Joints of the motion (m, n).
+        path: What the task asks for.
+        arc_length: Where on it each sample lies (m,) [m].
+        tolerance: The measure of what is near.
+
+    Attributes:
+        length: Length of the path up to each sample, turns counted by the tolerance (m,) [m].
+    """
+
+    def __init__(
+        self, cell: Cell, q: Array, path: Path, arc_length: Array, tolerance: Chord
+    ) -> None:
+        self._cell, self._spin_axis = cell, path.spin_axis
+        self._scale = np.repeat([1e3 / tolerance.mm, np.rad2deg(1.0) / tolerance.deg], 3)
+        still = self._poses(q, np.zeros_like(q))
+        step = _steps(q, still, self._scale[3] / self._scale[0])
+        self.length = np.concatenate([[0.0], np.cumsum(step)])
+        moves = np.concatenate([[True], step > 0.0])
+        self._q, self._length = q[moves], self.length[moves]
+        self._curve = CubicSpline(self._length, self._q)
+        after = np.clip(np.searchsorted(path.arc_length, arc_length), 1, path.h - 1)
+        # Between points of a task the stricter of the two says what counts.
+        self._rows = np.maximum(path.rows[after - 1], path.rows[after])
+        self._samples = self._poses(q, self._curve(self.length, 1))
+
+    def within(self, q: Array, samples: Integers, share: float, *, slide: bool) -> bool:
+        """Return whether postures are within a share of the tolerance at samples of the motion.
+
+        Args:
+            q: Joints (k, n).
+            samples: With which samples they are compared (k,).
+            share: Of the tolerance.
+            slide: What lies along the path is no error.
+        """
+        given = self._poses(q, np.zeros_like(q))
+        path, rows = self._samples.at(samples), self._rows[samples]
+        error, rate = pose_error(given, path, rows, self._spin_axis, self._scale)
+        if slide:
+            error -= _along(error, rate)[:, None] * rate
+        return bool(np.all(np.linalg.norm(error.reshape(-1, 2, 3), axis=2) <= share))
+
+    def deviation(self, q: Array) -> Array:
+        """Return how far postures in the order of a program are from the path (k, 2) [mm, deg].
+
+        Args:
+            q: Joints (k, n), about as close to each other as the samples of the motion; the first
+                and the last are compared with the ends of the motion.
+        """
+        given, end = self._poses(q, np.zeros_like(q)), self._length[-1]
+        where = self._length[self._nearest_samples(q)]
+        where[0], where[-1] = 0.0, end
+        for _ in range(_SLIDES):
+            error, rate = self._error(given, where)
+            where[1:-1] = np.clip(where + _along(error, rate), 0.0, end)[1:-1]
+        error = self._error(given, where)[0] / self._scale
+        mm = 1e3 * np.linalg.norm(error[:, :3], axis=1)
+        return np.column_stack([mm, np.rad2deg(np.linalg.norm(error[:, 3:], axis=1))])
+
+    def _poses(self, q: Array, rate: Array) -> Poses:
+        """Return the relative poses at joints q (k, n) that change by `rate` (k, n)."""
+        found = [Relative(self._cell, row) for row in q]
+        return Poses(
+            np.array([each.T_e1_e2.translation for each in found]).reshape(-1, 3),
+            np.array([each.T_e1_e2.rotation for each in found]).reshape(-1, 3, 3),
+            np.array([r.J_r @ v for r, v in zip(found, rate, strict=True)]).reshape(-1, 6),
+        )
+
+    def _nearest_samples(self, q: Array) -> Integers:
+        """Return the sample next to each posture; they never go back, as the program shall not."""
+        at, found = 0, np.empty(len(q), dtype=np.int64)
+        for k, posture in enumerate(q):
+            here = np.linalg.norm(posture - self._q[at])
+            while at + 1 < len(self._q):
+                ahead = np.linalg.norm(posture - self._q[at + 1])
+                if ahead > here:
+                    break
+                at, here = at + 1, ahead
+            found[k] = at
+        return found
+
+    def _error(self, given: Poses, where: Array) -> tuple[Array, Array]:
+        """Return the error at places of the path and its rate along it, (k, 6) in tolerances."""
+        path = self._poses(self._curve(where), self._curve(where, 1))
+        before = np.searchsorted(self.length, where, side="right") - 1
+        return pose_error(given, path, self._rows[before], self._spin_axis, self._scale)
+
+
+def pose_error(
+    given: Poses, path: Poses, rows: Integers, spin_axis: Array, scale: Array
+) -> tuple[Array, Array]:
+    """Return the error of poses against those of the path, and the rate of the path, (k, 6).
+
+    What a task leaves free is 0: the turn about the spin axis, or every rotation.
+
+    Args:
+        given: The poses.
+        path: Those they shall have.
+        rows: What counts at each: 6, 5 or 3 components (k,).
+        spin_axis: Axis in e2 about which the tool may turn.
+        scale: Turns the components into shares of their tolerance (6,).
+    """
+    turn, rate = _turn(path.rotation, given.rotation), path.rate.copy()
+    free = rows == SPIN_FREE
+    axis = path.rotation[free] @ spin_axis
+    turn[free] = _tilt(axis, given.rotation[free] @ spin_axis)
+    spin = np.einsum("ij,ij->i", rate[free, 3:], axis)
+    rate[free, 3:] -= spin[:, None] * axis
+    turn[rows == POSITION_ONLY] = 0.0
+    rate[rows == POSITION_ONLY, 3:] = 0.0
+    return np.hstack([given.position - path.position, turn]) * scale, rate * scale
+
+
+def _steps(q: Array, poses: Poses, metres_per_radian: float) -> Array:
+    """Return the length of each step (m - 1,); 0 only where no joint moves."""
+    parts = (
+        np.linalg.norm(np.diff(poses.position, axis=0), axis=1),
+        metres_per_radian * np.linalg.norm(_turn(poses.rotation[:-1], poses.rotation[1:]), axis=1),
+        _IDLE * np.linalg.norm(np.diff(q, axis=0), axis=1),
+    )
+    return np.asarray(np.linalg.norm(parts, axis=0))
+
+
+def _along(error: Array, rate: Array) -> Array:
+    """Return how far along the path the nearest pose lies, by its tangent (k,) [m]."""
+    speed = np.einsum("ij,ij->i", rate, rate)
+    product = np.einsum("ij,ij->i", error, rate)
+    return np.asarray(np.where(speed > _STILL, product, 0.0) / np.maximum(speed, _STILL))
+
+
+def _turn(first: Array, second: Array) -> Array:
+    """Return the rotation vectors (k, 3) that turn rotations into others, in outer axes."""
+    return np.asarray(Rotation.from_matrix(second @ first.transpose(0, 2, 1)).as_rotvec())
+
+
+def _tilt(first: Array, second: Array) -> Array:
+    """Return the smallest rotation vectors (k, 3) that turn unit vectors into others."""
+    across = np.cross(first, second)
+    sine = np.linalg.norm(across, axis=1)
+    angle = np.arctan2(sine, np.einsum("ij,ij->i", first, second))
+    return np.asarray(across * (angle / np.maximum(sine, np.finfo(float).tiny))[:, None])
