@@ -139,7 +139,7 @@ def _arm(
     placed = robots.get(arm, robots.get("both"))
     if placed is None:
         return Arm(arm, None, "", "", placement_pose(own.base), tool, (), controller)
-    names = tuple(joint.name.partition("/")[2] for joint in joints)
+    names = tuple(joint.name for joint in joints)
     robot, tip = placed.chains.robot, placed.chains.tips[arm]
     return Arm(arm, robot.file, robot.root, tip, placed.base, tool, names, controller)
 

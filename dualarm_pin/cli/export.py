@@ -37,7 +37,7 @@ def export(
     exported = write(result, to, out, name=name, mm=mm, deg=deg, allow_code=allow_code)
     print(exported.as_text())
     if exported.passed:
-        print("written: " + ", ".join(str(file) for file in exported.files))
+        print("written: " + ", ".join(str(out / file) for file in exported.files))
         return DONE
     print(
         "dualarm-pin: nothing is written: the program leaves the path by more than is allowed; "

@@ -38,6 +38,8 @@ def _read_back(files: Files, program: Program, target: Format) -> Points:
         message = f"what {target.name} wrote cannot be read back: {error}"
         raise DualArmError(message) from error
     wrote = program.points
+    if not isinstance(points, Points):
+        raise DualArmError(f"the reader of {target.name} returns a {type(points).__name__}")
     if points.values.shape != wrote.values.shape:
         shapes = f"{points.values.shape} for {wrote.values.shape}"
         raise DualArmError(f"what {target.name} wrote reads as other points: {shapes}")
@@ -50,7 +52,7 @@ def _read_back(files: Files, program: Program, target: Format) -> Points:
 
 def _run(points: Points, target: Format, path: RelativePath) -> Array:
     """Return the postures that the controller runs through, several between two points (k, n)."""
-    step = path.length[-1] / len(path.length) / _PER_SAMPLE
+    step = path.joint_step / _PER_SAMPLE
     chord = np.linalg.norm(np.diff(points.values, axis=0), axis=1)
     number = np.maximum(2, np.ceil(chord / max(step, np.finfo(float).tiny))).astype(np.int64)
     parts = [i + np.arange(n) / n for i, n in enumerate(number.tolist())]

@@ -17,7 +17,6 @@ from dualarm_pin.exports.relative_path import RelativePath
 if TYPE_CHECKING:
     from dualarm_pin.motion import Motion
 
-_SHARE = 0.8  # of the tolerance: numbers in the file are rounded, and few places are looked at
 _LOOKS = 15  # places between two points; the largest error of an arc is met within 1 %
 _GROW, _SHRINK = 1.5, 0.6  # how the next guess of a length differs from the last
 
@@ -27,20 +26,21 @@ def points_of(motion: Motion) -> Points:
     return Points(motion.q, motion.time, motion.velocity, motion.acceleration)
 
 
-def choose_points(motion: Motion, path: RelativePath, target: Format) -> Points:
+def choose_points(motion: Motion, path: RelativePath, target: Format, share: float) -> Points:
     """Return the points of a motion that a program of a format runs through.
 
     Args:
         motion: The motion.
         path: Its relative path, in the measure of the tolerance.
         target: The format.
+        share: How much of the tolerance to use; few places are looked at.
     """
     every = points_of(motion)
     if target.period is not None:
         return _at_equal_times(every, target.period)
     if target.every_sample:
         return every
-    return _some(every, _thinned(_acceptable(every, path, target), len(every)))
+    return _some(every, _thinned(_acceptable(every, path, target, share), len(every)))
 
 
 def _at_equal_times(every: Points, period: float) -> Points:
@@ -58,7 +58,9 @@ def _some(every: Points, chosen: list[int]) -> Points:
     return Points(every.values[chosen], time, every.velocity[chosen], every.acceleration[chosen])
 
 
-def _acceptable(every: Points, path: RelativePath, target: Format) -> Callable[[int, int], bool]:
+def _acceptable(
+    every: Points, path: RelativePath, target: Format, share: float
+) -> Callable[[int, int], bool]:
     """Return whether a program may go from sample a to sample b without those between."""
     assert every.time is not None
     time = every.time
@@ -69,10 +71,10 @@ def _acceptable(every: Points, path: RelativePath, target: Format) -> Callable[[
         look = np.unique(np.linspace(a, b, _LOOKS + 2).round().astype(np.int64))[1:-1]
         clock = time if target.between == "quintic" else path.length
         span = clock[b] - clock[a]
-        share = (clock[look] - clock[a]) / span if span > 0.0 else np.zeros(len(look))
-        q: Array = BETWEEN[target.between](_some(every, [a, b]), share)
+        place = (clock[look] - clock[a]) / span if span > 0.0 else np.zeros(len(look))
+        q: Array = BETWEEN[target.between](_some(every, [a, b]), place)
         # A polynomial in time is compared at the same time: then its speed is near too.
-        return path.within(q, look, _SHARE, slide=target.between == "linear")
+        return path.within(q, look, share, slide=target.between == "linear")
 
     return fits
 

@@ -19,8 +19,7 @@ _REMARK = 30  # letters of a remark; the controller takes 32
 _MOVE = re.compile(r"^ *\d+:J P\[(\d+)\] (?:10%|(\d+)msec) (?:FINE|CNT100) ;$", re.MULTILINE)
 _CALL = re.compile(r"^ *\d+:CALL (\w+) ;$", re.MULTILINE)
 _POINT = re.compile(r"^P\[(\d+)\]\{\n(.*?)^\};$", re.MULTILINE | re.DOTALL)
-_AXIS = re.compile(r"J\d = (-?[\d.]+) deg")
-_GROUP = re.compile(r"^ *GP\d:", re.MULTILINE)
+_AXIS = re.compile(r"J(\d) = (-?[\d.]+) deg")
 
 
 def _write(program: Program) -> Files:
@@ -76,7 +75,10 @@ def _read(files: Files) -> Points:
         if len(found := _MOVE.findall(text)) != text.count(":J P["):
             raise ValueError("a move cannot be read")
         for number, span in found:
-            rows.append([float(value) for value in _AXIS.findall(point[number])])
+            axes = _AXIS.findall(point[number])
+            if [int(axis) for axis, _ in axes] != [k % 6 + 1 for k in range(len(axes))]:
+                raise ValueError(f"the axes of P[{number}] cannot be read")
+            rows.append([float(value) for _, value in axes])
             spans.append(float(span or 0.0) / 1000.0)
     return Points(np.array(rows), np.cumsum(spans))
 

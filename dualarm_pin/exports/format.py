@@ -18,6 +18,10 @@ class Chord(NamedTuple):
     mm: float
     deg: float
 
+    def as_text(self) -> str:
+        """Return both for a sentence."""
+        return f"{self.mm:.3g} mm and {self.deg:.3g} deg"
+
 
 USUAL = Chord(0.05, 0.01)
 

@@ -12,7 +12,8 @@ from dualarm_pin.exports.program import Points, Program
 
 _BASE = 20  # letters of the name; 24 with what is added
 _ROBOTS = {"arm1": "R1", "arm2": "R2"}
-_MOVE = re.compile(r"^ *(?:PTP|SPTP) \{([^}]*)\}$", re.MULTILINE)
+_AXES = ", ".join(rf"A{k} (-?[\d.]+)" for k in range(1, 7))
+_MOVE = re.compile(rf"^ *(?:PTP|SPTP) \{{{_AXES}\}}$", re.MULTILINE)
 _PART = re.compile(r"^ *TIME_BLOCK PART = ([\d.]+)$", re.MULTILINE)
 _END = re.compile(r"^ *TIME_BLOCK END = ([\d.]+)$", re.MULTILINE)
 
@@ -49,9 +50,9 @@ def _read(files: Files) -> Points:
         for name in (name for name in files if name.endswith(f"_{robot}.src")):
             text = files[name]
             found = _MOVE.findall(text)
-            if len(found) != len(re.findall(r"\bS?PTP \{", text)):
+            if len(found) != text.count("PTP {"):
                 raise ValueError(f"{name}: a move cannot be read")
-            rows = [[float(axis.split()[1]) for axis in move.split(",")] for move in found]
+            rows = [[float(axis) for axis in move] for move in found]
             arms.append(rows[1:])  # the block begins where the approach ends
             part = np.array([float(share) for share in _PART.findall(text)])
             [end] = _END.findall(text)

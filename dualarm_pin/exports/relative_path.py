@@ -18,9 +18,10 @@ from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.cell import Cell
 from dualarm_pin.exports.format import Chord
 from dualarm_pin.path import Path
-from dualarm_pin.path.path import POSITION_ONLY, SPIN_FREE
+from dualarm_pin.path.path import POSITION_ONLY, SPIN_FREE, WHOLE_POSE
 from dualarm_pin.relative import Relative
 
+_AHEAD, _SLACK = 2.0, 4.0  # how far ahead to look: in steps of the program, and in tolerances
 _SLIDES = 4  # Gauss-Newton steps to the nearest pose: they begin within half a sample of it
 _IDLE = 1e-3  # m/rad: joints that turn while the tools stand still make the length rise a little
 _STILL = 1e-12  # squared speed of poses that stand still, in tolerances
@@ -52,7 +53,8 @@ class RelativePath:
         tolerance: The measure of what is near.
 
     Attributes:
-        length: Length of the path up to each sample, turns counted by the tolerance (m,) [m].
+        length: Length up to each sample (m,) [m], of what counts; the tolerances say how turns do.
+        joint_step: Mean step of all joints from one sample to the next [rad or m].
     """
 
     def __init__(
@@ -60,15 +62,14 @@ class RelativePath:
     ) -> None:
         self._cell, self._spin_axis = cell, path.spin_axis
         self._scale = np.repeat([1e3 / tolerance.mm, np.rad2deg(1.0) / tolerance.deg], 3)
-        still = self._poses(q, np.zeros_like(q))
-        step = _steps(q, still, self._scale[3] / self._scale[0])
-        self.length = np.concatenate([[0.0], np.cumsum(step)])
-        moves = np.concatenate([[True], step > 0.0])
-        self._q, self._length = q[moves], self.length[moves]
-        self._curve = CubicSpline(self._length, self._q)
         after = np.clip(np.searchsorted(path.arc_length, arc_length), 1, path.h - 1)
         # Between points of a task the stricter of the two says what counts.
         self._rows = np.maximum(path.rows[after - 1], path.rows[after])
+        step = self._steps(q, self._poses(q, np.zeros_like(q)), self._rows[1:])
+        self.length = np.concatenate([[0.0], np.cumsum(step)])
+        self.joint_step = float(np.linalg.norm(np.diff(q, axis=0), axis=1).mean())
+        moves = np.concatenate([[True], step > 0.0])
+        self._curve = CubicSpline(self.length[moves], q[moves])
         self._samples = self._poses(q, self._curve(self.length, 1))
 
     def within(self, q: Array, samples: Integers, share: float, *, slide: bool) -> bool:
@@ -81,8 +82,7 @@ class RelativePath:
             slide: What lies along the path is no error.
         """
         given = self._poses(q, np.zeros_like(q))
-        path, rows = self._samples.at(samples), self._rows[samples]
-        error, rate = pose_error(given, path, rows, self._spin_axis, self._scale)
+        error, rate = self._compare(given, self._samples.at(samples), samples)
         if slide:
             error -= _along(error, rate)[:, None] * rate
         return bool(np.all(np.linalg.norm(error.reshape(-1, 2, 3), axis=2) <= share))
@@ -94,13 +94,21 @@ class RelativePath:
             q: Joints (k, n), about as close to each other as the samples of the motion; the first
                 and the last are compared with the ends of the motion.
         """
-        given, end = self._poses(q, np.zeros_like(q)), self._length[-1]
-        where = self._length[self._nearest_samples(q)]
-        where[0], where[-1] = 0.0, end
+        given = self._poses(q, np.zeros_like(q))
+        where = self.length[self._nearest_samples(q, given)]
+        where[0], where[-1] = 0.0, self.length[-1]
+        error, rate = self._error(given, where)
         for _ in range(_SLIDES):
-            error, rate = self._error(given, where)
-            where[1:-1] = np.clip(where + _along(error, rate), 0.0, end)[1:-1]
-        error = self._error(given, where)[0] / self._scale
+            moved = np.clip(where + _along(error, rate), 0.0, self.length[-1])
+            moved[0], moved[-1] = 0.0, self.length[-1]
+            other, other_rate = self._error(given, moved)
+            nearer = np.linalg.norm(other, axis=1) < np.linalg.norm(error, axis=1)
+            where[nearer], error[nearer], rate[nearer] = (
+                moved[nearer],
+                other[nearer],
+                other_rate[nearer],
+            )
+        error /= self._scale
         mm = 1e3 * np.linalg.norm(error[:, :3], axis=1)
         return np.column_stack([mm, np.rad2deg(np.linalg.norm(error[:, 3:], axis=1))])
 
@@ -113,24 +121,49 @@ class RelativePath:
             np.array([r.J_r @ v for r, v in zip(found, rate, strict=True)]).reshape(-1, 6),
         )
 
-    def _nearest_samples(self, q: Array) -> Integers:
-        """Return the sample next to each posture; they never go back, as the program shall not."""
-        at, found = 0, np.empty(len(q), dtype=np.int64)
-        for k, posture in enumerate(q):
-            here = np.linalg.norm(posture - self._q[at])
-            while at + 1 < len(self._q):
-                ahead = np.linalg.norm(posture - self._q[at + 1])
-                if ahead > here:
-                    break
-                at, here = at + 1, ahead
-            found[k] = at
+    def _nearest_samples(self, q: Array, given: Poses) -> Integers:
+        """Return the sample nearest to each posture of a program (k,); they never go back.
+
+        From one posture to the next a program goes along the path hardly farther than it moves.
+        """
+        every = np.full(len(q) - 1, WHOLE_POSE)
+        reach = _AHEAD * self._steps(q, given, every) + _SLACK / self._scale[0]
+        features, path = self._features(given), self._features(self._samples)
+        counts = np.stack([self._rows > 0, self._rows == WHOLE_POSE, self._rows == SPIN_FREE], 1)
+        weights = np.repeat(counts, [3, 9, 3], axis=1)
+        at, found = 0, np.zeros(len(q), dtype=np.int64)
+        for k in range(1, len(q)):
+            far = np.searchsorted(self.length, self.length[at] + reach[k - 1], side="right")
+            near = slice(at, max(int(far), at + 2))
+            away = weights[near] * (path[near] - features[k]) ** 2
+            at = found[k] = at + int(np.argmin(away.sum(axis=1)))
         return found
+
+    def _features(self, poses: Poses) -> Array:
+        """Return what tells poses apart (k, 15), in tolerances: position, rotation, spin axis."""
+        to_position, to_turn = self._scale[0], self._scale[3]
+        rotation = poses.rotation.reshape(-1, 9) * (to_turn / np.sqrt(2.0))
+        axis = poses.rotation @ self._spin_axis * to_turn
+        return np.hstack([poses.position * to_position, rotation, axis])
+
+    def _steps(self, q: Array, poses: Poses, rows: Integers) -> Array:
+        """Return the length of each step (k - 1,) [m]; 0 only where no joint moves."""
+        which = np.arange(len(q))
+        error, _ = pose_error(
+            poses.at(which[1:]), poses.at(which[:-1]), rows, self._spin_axis, self._scale
+        )
+        metres = np.linalg.norm(error, axis=1) / self._scale[0]
+        return np.asarray(np.hypot(metres, _IDLE * np.linalg.norm(np.diff(q, axis=0), axis=1)))
+
+    def _compare(self, given: Poses, path: Poses, before: Integers) -> tuple[Array, Array]:
+        """Return the error of poses and the rate of the path, by what counts after a sample."""
+        return pose_error(given, path, self._rows[before], self._spin_axis, self._scale)
 
     def _error(self, given: Poses, where: Array) -> tuple[Array, Array]:
         """Return the error at places of the path and its rate along it, (k, 6) in tolerances."""
         path = self._poses(self._curve(where), self._curve(where, 1))
         before = np.searchsorted(self.length, where, side="right") - 1
-        return pose_error(given, path, self._rows[before], self._spin_axis, self._scale)
+        return self._compare(given, path, before)
 
 
 def pose_error(
@@ -156,16 +189,6 @@ def pose_error(
     turn[rows == POSITION_ONLY] = 0.0
     rate[rows == POSITION_ONLY, 3:] = 0.0
     return np.hstack([given.position - path.position, turn]) * scale, rate * scale
-
-
-def _steps(q: Array, poses: Poses, metres_per_radian: float) -> Array:
-    """Return the length of each step (m - 1,); 0 only where no joint moves."""
-    parts = (
-        np.linalg.norm(np.diff(poses.position, axis=0), axis=1),
-        metres_per_radian * np.linalg.norm(_turn(poses.rotation[:-1], poses.rotation[1:]), axis=1),
-        _IDLE * np.linalg.norm(np.diff(q, axis=0), axis=1),
-    )
-    return np.asarray(np.linalg.norm(parts, axis=0))
 
 
 def _along(error: Array, rate: Array) -> Array:
