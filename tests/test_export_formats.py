@@ -69,7 +69,7 @@ def test_what_is_written_reads_back_whatever_things_are_called(
     joints = tuple(f"{each}{joint}" for each in JOINTS)
     q = np.array(values)
     made, read = written_points(target, q, name=name, joints=joints)
-    assert np.abs(read.values - q).max() < 6e-6
+    assert np.abs(read.values - q).max() < 6e-5
     if target.name != "pdl2":
         assert np.abs(read.time - made.time).max() < 1e-4
     if target.between == "quintic":
@@ -100,7 +100,7 @@ def test_a_name_cannot_leave_its_comment(target: Format) -> None:
 def test_one_arm_alone_needs_no_handshake(target: Format) -> None:
     q = np.linspace(0.0, 1.0, 18).reshape(3, 6)
     _, read = written_points(target, q)
-    assert np.abs(read.values - q).max() < 6e-6
+    assert np.abs(read.values - q).max() < 6e-5
     text = "".join(target.write(program(q, times_of(target, 3))).values())
     for word in ("SyncMove", "SYNCCMD", "SYNCMOVE", "digital_in", "GP2", "arm2"):
         assert word not in text
@@ -124,7 +124,7 @@ def test_a_long_program_is_split_and_runs_in_order(
     files = target.write(made)
     assert len(files) > 5 * len(whole)
     assert max(text.count("\n") for name, text in files.items() if name not in whole) < 400
-    assert np.abs(read.values - q).max() < 6e-6
+    assert np.abs(read.values - q).max() < 6e-5
     assert all(file.endswith(suffix) for file in files)
 
 

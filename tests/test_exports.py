@@ -24,10 +24,12 @@ from test_cli import run
 import dualarm_pin as dp
 from dualarm_pin.answer.folder import load_result, save_result
 from dualarm_pin.cell import Cell
+from dualarm_pin.cell.describe import describe
+from dualarm_pin.cell.report_text import text_of
 from dualarm_pin.errors import DualArmError, InputError, MissingFileError, UnknownNameError
-from dualarm_pin.exports import FORMATS, Axes, Chord, Format
+from dualarm_pin.exports import FORMATS, Axes, Chord, Format, Points
 from dualarm_pin.exports.convention import convention_of, ros_names
-from dualarm_pin.exports.relative_path import RelativePath
+from dualarm_pin.exports.motion_path import MotionPath
 from dualarm_pin.motion import Motion
 from dualarm_pin.relative import Relative
 
@@ -67,7 +69,7 @@ def test_a_program_of_the_paper_stays_on_its_path(name: str, paper: Path, tmp_pa
     main = (tmp_path / exported.files[0]).read_text()
     assert report["result_sha256"][:20] in re.sub(r" ;\n *\d+:!", "", main)
     for note in FORMATS[name].draft:
-        assert note.split()[0] in main
+        assert note.split()[0] in main  # the remarks of a FANUC are short
         assert "DRAFT" in main
 
 
@@ -75,7 +77,7 @@ def test_the_error_is_the_distance_from_the_nearest_pose_of_the_path(paper: Path
     loaded, _ = load_result(paper)
     motion = Motion.load(paper)
     no_turns = Chord(0.05, 1e6)  # then the nearest pose is the nearest position
-    path = RelativePath(loaded.cell, motion.q, loaded.path, motion.arc_length, no_turns)
+    path = MotionPath(loaded.cell, motion.q, loaded.path, motion.arc_length, no_turns)
     share = np.linspace(0.0, 1.0, 61)[:, None]
     line = (1 - share) * motion.q[280] + share * motion.q[340]
     found = path.deviation(np.vstack([motion.q[:280], line, motion.q[341:]]))[280:341]
@@ -184,7 +186,7 @@ def test_an_arm_that_stands_still_gets_no_program(tmp_path: Path) -> None:
     cell = "arms:\n  arm1: {base: {xyz: [1, 0, 0]}}\n  arm2: {urdf: arm.urdf, tip: l6}\n"
     result = line_result(tmp_path, cell)
     exported = dp.export(result, "rapid", tmp_path / "out")
-    assert exported.files == ("da_task_T_ROB2.mod",)
+    assert exported.files == ("da_result_T_ROB2.mod",)
 
 
 numbers = st.floats(-3.0, 3.0)
@@ -258,6 +260,30 @@ def test_a_mistake_about_a_controller_names_its_place(fork: Path, first: str, me
     assert re.search(message, str(raised.value))
 
 
+def test_check_shows_what_a_cell_file_says_of_a_controller(fork: Path) -> None:
+    said = "signs: {j2: -1}, offsets_deg: {j3: 90}, coupling: {j3: {j2: -1}}, prefix: left_"
+    cell = Cell.load(written(fork, said))
+    first, second = describe(cell).arms
+    assert first.controller == {
+        "signs": {"j2": -1}, "offsets_deg": {"j3": 90.0}, "coupling": {"j3": {"j2": -1.0}},
+        "prefix": "left_",
+    }  # fmt: skip
+    assert second.controller == {}
+    assert "controller signs: {'j2': -1}" in text_of(describe(cell))
+
+
+def test_a_program_of_links_that_touch_says_so(tmp_path: Path) -> None:
+    folder = tmp_path / "result"
+    motion = result_with_motion(folder, task(), answers()["result 0"], samples=1001)
+    for clearance, word in ((-0.01, "links touch"), (None, "unknown"), (0.1, "")):
+        summary = dataclasses.replace(motion.summary, least_clearance=clearance)
+        dataclasses.replace(motion, summary=summary).write(folder)
+        exported = dp.export(folder, "rapid", tmp_path / "out")
+        text = (tmp_path / "out" / exported.files[0]).read_text()
+        assert ("CAUTION" in text) == ("CAUTION" in exported.as_text()) == bool(word)
+        assert word in text
+
+
 def test_prismatic_joints_take_no_offset(tmp_path: Path) -> None:
     cell = pair(tmp_path, SIX, "offsets_deg: {j2: 5}", prismatic=["j2"])
     (tmp_path / "cell.yaml").write_text(cell)
@@ -269,7 +295,7 @@ def test_signs_of_the_cell_file_stand_in_the_program(tmp_path: Path) -> None:
     result = line_result(tmp_path, pair(tmp_path, SIX, "signs: {j1: -1}, prefix: left_"))
     q = np.rad2deg(Motion.load(result).q[0])
     dp.export(result, "rapid", tmp_path / "rapid")
-    text = (tmp_path / "rapid" / "da_task_T_ROB1.mod").read_text()
+    text = (tmp_path / "rapid" / "da_result_T_ROB1.mod").read_text()
     assert f"MoveAbsJ [[{-q[0]:.5f},{q[1]:.5f}," in text
     dp.export(result, "ros2", tmp_path / "ros2")
     goal = (tmp_path / "ros2" / "both.goal.yaml").read_text()
@@ -282,9 +308,9 @@ def test_an_own_format_is_one_record(paper: Path, tmp_path: Path) -> None:
         points = zip(program.time.tolist(), program.points.values.tolist(), strict=True)
         return {"mine.json": json.dumps(list(points))}
 
-    def read(files: Mapping[str, str]) -> dp.exports.Points:
+    def read(files: Mapping[str, str]) -> Points:
         time, values = zip(*json.loads(files["mine.json"]), strict=True)
-        return dp.exports.Points(np.array(values), np.array(time))
+        return Points(np.array(values), np.array(time))
 
     mine = Format("mine", write, read, axes=Axes(6, "deg"), tolerance=Chord(0.2, 0.02))
     exported = dp.export(paper, mine, tmp_path)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +46,27 @@ def controller_of(
         coupling=_coupling(spec, names, blame, place),
         prefix=spec.prefix,
     )
+
+
+def unusual(controller: Controller, joints: Sequence[str]) -> dict[str, Any]:
+    """Return what is not as usual, as a cell file says it."""
+    names = [joint.partition("/")[2] for joint in joints]
+    said: dict[str, Any] = {}
+    signs = {n: int(s) for n, s in zip(names, controller.signs, strict=True) if s < 0}
+    offsets = {n: math.degrees(o) for n, o in zip(names, controller.offsets, strict=True) if o}
+    if signs:
+        said["signs"] = signs
+    if offsets:
+        said["offsets_deg"] = offsets
+    if controller.coupling is not None:
+        said["coupling"] = {
+            name: {names[k]: float(row[k]) for k in np.flatnonzero(row)}
+            for name, row in zip(names, controller.coupling, strict=True)
+            if row.any()
+        }
+    if controller.prefix is not None:
+        said["prefix"] = controller.prefix
+    return said
 
 
 def _named(spec: ControllerSpec) -> Iterator[tuple[str, str]]:

@@ -27,7 +27,7 @@ def export(
         result: A result folder with a motion.
         to: ros2, moveit, rapid, fanuc, krl, urscript, pdl2 or csv.
         out: Folder of the program; empty, or with an earlier program of the same names.
-        name: Name of the program; that of the task by default.
+        name: Name of the program; that of the result folder by default.
         mm: Largest distance from the relative path in mm; that of the format by default.
         deg: Largest angle in degrees.
         allow_code: Import and run the index, path or rows that the task names with `call`.

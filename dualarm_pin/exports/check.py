@@ -9,15 +9,15 @@ from dualarm_pin.errors import DualArmError
 from dualarm_pin.exports.convention import Convention
 from dualarm_pin.exports.format import Chord, Files, Format
 from dualarm_pin.exports.interpolate import BETWEEN
+from dualarm_pin.exports.motion_path import MotionPath
 from dualarm_pin.exports.program import Points, Program
-from dualarm_pin.exports.relative_path import RelativePath
 
 _PER_SAMPLE = 2.0  # postures that are looked at for each sample of the motion
 _CLOCK = 1e-3  # seconds by which a point may be late: controllers count milliseconds
 
 
 def error_of(
-    files: Files, program: Program, target: Format, convention: Convention, path: RelativePath
+    files: Files, program: Program, target: Format, convention: Convention, path: MotionPath
 ) -> Chord:
     """Return the largest error of what stands in the files of a program [mm, deg].
 
@@ -50,7 +50,7 @@ def _read_back(files: Files, program: Program, target: Format) -> Points:
     return points
 
 
-def _run(points: Points, target: Format, path: RelativePath) -> Array:
+def _run(points: Points, target: Format, path: MotionPath) -> Array:
     """Return the postures that the controller runs through, several between two points (k, n)."""
     step = path.joint_step / _PER_SAMPLE
     chord = np.linalg.norm(np.diff(points.values, axis=0), axis=1)

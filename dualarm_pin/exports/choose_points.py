@@ -8,17 +8,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualarm_pin.arrays import Array
+from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.exports.format import Format
-from dualarm_pin.exports.interpolate import BETWEEN, quintic_of
+from dualarm_pin.exports.interpolate import linear, quintic_of
+from dualarm_pin.exports.motion_path import MotionPath
 from dualarm_pin.exports.program import Points
-from dualarm_pin.exports.relative_path import RelativePath
 
 if TYPE_CHECKING:
     from dualarm_pin.motion import Motion
 
 _LOOKS = 15  # places between two points; the largest error of an arc is met within 1 %
+_FASTER = 1.05  # times the largest speed and acceleration of the motion, on a polynomial
+_HARDLY = 0.01  # of what the fastest joint reaches
 _GROW, _SHRINK = 1.5, 0.6  # how the next guess of a length differs from the last
+
+Fits = Callable[[int, int], bool]
 
 
 def points_of(motion: Motion) -> Points:
@@ -26,7 +30,7 @@ def points_of(motion: Motion) -> Points:
     return Points(motion.q, motion.time, motion.velocity, motion.acceleration)
 
 
-def choose_points(motion: Motion, path: RelativePath, target: Format, share: float) -> Points:
+def choose_points(motion: Motion, path: MotionPath, target: Format, share: float) -> Points:
     """Return the points of a motion that a program of a format runs through.
 
     Args:
@@ -40,46 +44,74 @@ def choose_points(motion: Motion, path: RelativePath, target: Format, share: flo
         return _at_equal_times(every, target.period)
     if target.every_sample:
         return every
-    return _some(every, _thinned(_acceptable(every, path, target, share), len(every)))
+    keeps = {"linear": _straight, "quintic": _smooth}[target.between](every, path, share)
+    time, _, _ = _timed(every)
+
+    def fits(a: int, b: int) -> bool:
+        return bool(time[b] - time[a] <= target.longest_move) and keeps(a, b)
+
+    return _some(every, _thinned(fits, len(every)))
 
 
 def _at_equal_times(every: Points, period: float) -> Points:
-    assert every.time is not None
-    end = every.time[-1]
+    end = _timed(every)[0][-1]
     time = period * np.arange(math.ceil(end / period - 1e-9) + 1)
     return Points(quintic_of(every)(np.minimum(time, end)), time)
 
 
-def _some(every: Points, chosen: list[int]) -> Points:
+def _timed(every: Points) -> tuple[Array, Array, Array]:
+    """Return time, velocity and acceleration, which the samples of a motion have."""
     assert every.time is not None
     assert every.velocity is not None
     assert every.acceleration is not None
-    time = every.time[chosen] - every.time[chosen[0]]
-    return Points(every.values[chosen], time, every.velocity[chosen], every.acceleration[chosen])
+    return every.time, every.velocity, every.acceleration
 
 
-def _acceptable(
-    every: Points, path: RelativePath, target: Format, share: float
-) -> Callable[[int, int], bool]:
-    """Return whether a program may go from sample a to sample b without those between."""
-    assert every.time is not None
-    time = every.time
+def _some(every: Points, chosen: list[int]) -> Points:
+    time, velocity, acceleration = (part[chosen] for part in _timed(every))
+    return Points(every.values[chosen], time - time[0], velocity, acceleration)
+
+
+def _straight(every: Points, path: MotionPath, share: float) -> Fits:
+    """Return whether straight joints from sample a to sample b keep to the path."""
 
     def fits(a: int, b: int) -> bool:
-        if time[b] - time[a] > target.longest_move:
+        look, length = _looks(a, b), path.length
+        if not length[b] > length[a]:
             return False
-        look = np.unique(np.linspace(a, b, _LOOKS + 2).round().astype(np.int64))[1:-1]
-        clock = time if target.between == "quintic" else path.length
-        span = clock[b] - clock[a]
-        place = (clock[look] - clock[a]) / span if span > 0.0 else np.zeros(len(look))
-        q: Array = BETWEEN[target.between](_some(every, [a, b]), place)
-        # A polynomial in time is compared at the same time: then its speed is near too.
-        return path.within(q, look, share, slide=target.between == "linear")
+        place = (length[look] - length[a]) / (length[b] - length[a])
+        return path.within(linear(_some(every, [a, b]), place), look, share, slide=True)
 
     return fits
 
 
-def _thinned(fits: Callable[[int, int], bool], count: int) -> list[int]:
+def _smooth(every: Points, path: MotionPath, share: float) -> Fits:
+    """Return whether a polynomial does, at the same times and no faster than the motion."""
+    time, velocity, acceleration = _timed(every)
+    limits = [_limit(rate) for rate in (velocity, acceleration)]
+
+    def fits(a: int, b: int) -> bool:
+        look, curve = _looks(a, b), quintic_of(_some(every, [a, b]))
+        at = time[look] - time[a]
+        for order, limit in enumerate(limits, 1):
+            if np.any(np.abs(curve(at, order)) > limit):
+                return False
+        return path.within(curve(at), look, share, slide=False)
+
+    return fits
+
+
+def _limit(rate: Array) -> Array:
+    """Return what each joint may reach (n,); one that hardly moves beside the others is free."""
+    largest = np.abs(rate).max(axis=0)
+    return np.asarray(np.maximum(_FASTER * largest, _HARDLY * largest.max()))
+
+
+def _looks(a: int, b: int) -> Integers:
+    return np.unique(np.linspace(a, b, _LOOKS + 2).round().astype(np.int64))[1:-1]
+
+
+def _thinned(fits: Fits, count: int) -> list[int]:
     """Return samples, the first and the last among them, each as far from the one before as fits.
 
     A neighbour is always taken: the samples of the motion are as near as its own chord error asks.

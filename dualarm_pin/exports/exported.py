@@ -31,6 +31,7 @@ class Exported:
         tolerance: What is allowed.
         motion_error: Largest distance of the motion from the path of the task, as its own check
             found.
+        cautions: What to know before a robot runs it.
         draft: What no source confirmed.
     """
 
@@ -43,6 +44,7 @@ class Exported:
     error: Chord
     tolerance: Chord
     motion_error: Chord
+    cautions: tuple[str, ...]
     draft: tuple[str, ...]
 
     @property
@@ -68,6 +70,7 @@ class Exported:
             f"allowed are {self.tolerance.as_text()}",
             f"the motion itself: {self.motion_error.as_text()} from the path of the task",
         ]
+        lines += [f"CAUTION: {caution}" for caution in self.cautions]
         return "\n".join(lines + [f"DRAFT: {note}" for note in self.draft])
 
     def as_dict(self) -> dict[str, Any]:
@@ -83,6 +86,7 @@ class Exported:
             "rotation_error": math.radians(self.error.deg),
             "position_tolerance": self.tolerance.mm * 1e-3,
             "rotation_tolerance": math.radians(self.tolerance.deg),
+            "cautions": list(self.cautions),
             "draft": list(self.draft),
             "units": {"length": "m", "angle": "rad", "time": "s"},
         }

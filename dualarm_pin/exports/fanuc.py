@@ -83,4 +83,10 @@ def _read(files: Files) -> Points:
     return Points(np.array(rows), np.cumsum(spans))
 
 
-FANUC = Format("fanuc", _write, _read, axes=Axes(6, "deg", coupling=((2, 1, -1.0),)))
+FANUC = Format(
+    "fanuc",
+    _write,
+    _read,
+    axes=Axes(6, "deg", coupling=((2, 1, -1.0),)),
+    draft=("Angles have five decimals; programs saved by controllers show three.",),
+)

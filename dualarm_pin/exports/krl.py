@@ -29,7 +29,7 @@ def _write(program: Program) -> Files:
 
 def _program(program: Program, name: str, arm: str) -> str:
     first, *moves = [
-        ", ".join(f"A{k} {value + 0.0:.5f}" for k, value in enumerate(row, 1))
+        ", ".join(f"A{k} {value + 0.0:.4f}" for k, value in enumerate(row, 1))
         for row in program.axes(arm)
     ]
     duration = float(program.time[-1])

@@ -14,9 +14,9 @@ from dualarm_pin.exports.convention import Convention, arm_columns, convention_o
 from dualarm_pin.exports.exported import Exported
 from dualarm_pin.exports.format import Chord, Format
 from dualarm_pin.exports.formats import format_of
+from dualarm_pin.exports.motion_path import MotionPath
 from dualarm_pin.exports.names import comment
 from dualarm_pin.exports.program import Points, Program
-from dualarm_pin.exports.relative_path import RelativePath
 from dualarm_pin.exports.result_motion import ResultMotion
 
 # How much of the tolerance the choice of points uses, again with less where the check of the whole
@@ -44,7 +44,7 @@ def export(
         result: A result folder with a motion.
         to: Name of a format, or one of the user's own.
         out: Folder of the program; empty, or with an earlier program of the same names.
-        name: Name of the program; that of the task by default.
+        name: Name of the program; that of the result folder by default.
         mm: Largest distance from the relative path [mm]; that of the format by default.
         deg: Largest angle [deg].
         allow_code: Import and run what the task names with `call`.
@@ -60,8 +60,8 @@ def export(
     tolerance = _tolerance(target, mm, deg)
     source = ResultMotion.load(Path(result), allow_code=allow_code)
     cell, motion = source.task.cell, source.motion
-    convention, called = convention_of(cell, target), name or source.task.name
-    path = RelativePath(cell, motion.q, source.task.path, motion.arc_length, tolerance)
+    convention, called = convention_of(cell, target), name or Path(result).resolve().name
+    path = MotionPath(cell, motion.q, source.task.path, motion.arc_length, tolerance)
     for share in _SHARES:
         chosen = choose_points(motion, path, target, share)
         program = _program(source, target, tolerance, convention, chosen, called)
@@ -76,6 +76,7 @@ def export(
             error=error_of(texts, program, target, convention, path),
             tolerance=tolerance,
             motion_error=Chord(motion.summary.path_error_mm, motion.summary.path_error_deg),
+            cautions=source.cautions,
             draft=target.draft,
         )
         if exported.passed:
@@ -120,10 +121,12 @@ def _head(
 ) -> Iterator[str]:
     cell = source.task.cell
     yield f"dualarm_pin {__version__}, {target.name}: {name}"
-    yield f"task {source.task.name}, cell {cell.name}"
+    yield f"cell {cell.name}"
     yield f"result sha256 {source.sha256}"
     yield f"{len(points)} points in {points.duration:.3f} s"
-    yield f"within {tolerance.as_text()} of the relative path, blending by the controller aside"
+    blending = ", blending at points aside" if target.between == "linear" else ""
+    yield f"within {tolerance.as_text()} of the relative path{blending}"
     for arm, part in arm_columns(cell).items():
         yield f"{arm}: {', '.join(joint.partition('/')[2] for joint in cell.joint_names[part])}"
+    yield from (f"CAUTION: {caution}" for caution in source.cautions)
     yield from (f"DRAFT: {note}" for note in target.draft)

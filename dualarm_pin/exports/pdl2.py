@@ -89,7 +89,7 @@ PDL2 = Format(
     draft=(
         "unverified: SYNCMOVE stands in no source that could be read. Try it in RoboSim first.",
         "The calls of programs in parts are unverified too.",
-        "It knows no times: the speed is that of the override, 20 %.",
+        "It knows no times: the speed is that of the override, 20 per cent.",
         "Signs and zeros of the axes are those of the URDF unless the cell file says otherwise.",
     ),
 )

@@ -53,6 +53,16 @@ class ResultMotion:
             digest.update((folder / name).read_bytes())
         return cls(task, motion, digest.hexdigest())
 
+    @property
+    def cautions(self) -> tuple[str, ...]:
+        """What to know before a robot runs it."""
+        clearance = self.motion.summary.least_clearance
+        if clearance is None:
+            return ("the clearance along this motion is unknown.",)
+        if clearance <= 0.0:
+            return (f"links touch along this motion: clearance {clearance:.3f} m.",)
+        return ()
+
 
 def _refuse_another(motion: Motion, trajectory: Trajectory, folder: Path) -> None:
     """Refuse a motion that does not pass by the points of the trajectory."""

@@ -42,7 +42,7 @@ class Poses(NamedTuple):
         return Poses(self.position[which], self.rotation[which], self.rate[which])
 
 
-class RelativePath:
+class MotionPath:
     """The relative path of a motion.
 
     Args:
