@@ -313,8 +313,16 @@ def test_an_own_format_is_one_record(paper: Path, tmp_path: Path) -> None:
         return Points(np.array(values), np.array(time))
 
     mine = Format("mine", write, read, axes=Axes(6, "deg"), tolerance=Chord(0.2, 0.02))
-    exported = dp.export(paper, mine, tmp_path)
+    exported = dp.export(paper, mine, tmp_path / "out")
     assert exported.passed
+    with pytest.raises(InputError, match=r"plain name.*'\.\./mine.json'"):
+        outside = dataclasses.replace(
+            mine,
+            write=lambda program: {"../mine.json": write(program)["mine.json"]},
+            read=lambda files: read({"mine.json": files["../mine.json"]}),
+        )
+        dp.export(paper, outside, tmp_path / "other")
+    assert {file.name for file in tmp_path.iterdir()} == {"out"}
     assert 0.02 < exported.error.mm <= 0.2
 
 
@@ -353,7 +361,7 @@ def test_wrong_input_is_one_message(paper: Path, tmp_path: Path) -> None:
         dp.export(paper, "rapit", tmp_path)
     with pytest.raises(UnknownNameError, match=r"known: ros2, moveit, .*, csv"):
         dp.export(paper, "step", tmp_path)
-    with pytest.raises(MissingFileError, match="no result here"):
+    with pytest.raises(MissingFileError, match="give the folder that"):
         dp.export(tmp_path, "csv", tmp_path)
     with pytest.raises(InputError, match="mm: a number above 0"):
         dp.export(paper, "csv", tmp_path, mm=0.0)

@@ -13,6 +13,7 @@ from dualarm_pin.cli import DONE, NOT_FOUND
 
 def export(
     result: Path,
+    /,
     *,
     to: str,
     out: Path,

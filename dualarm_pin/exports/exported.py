@@ -11,7 +11,7 @@ from typing import Any
 
 from dualarm_pin.errors import InputError
 from dualarm_pin.exports.format import Chord
-from dualarm_pin.files.write import write_text
+from dualarm_pin.files.write import reserved, write_files
 
 REPORT = "export.json"
 
@@ -92,17 +92,22 @@ class Exported:
         }
 
     def write(self, folder: Path) -> None:
-        """Write the files and `export.json` into a folder; each appears whole or not at all.
+        """Write the files and `export.json` into a folder: all of them or none.
 
         Raises:
-            InputError: The folder holds something else, or cannot be written.
+            InputError: The folder holds something else, or cannot be written, or a file of a
+                format of the user's own has no plain name.
         """
+        for name in self.texts:
+            if name != Path(name).name or name == REPORT:
+                raise InputError(f"a plain name of a file is expected; given {name!r}", field="to")
         if folder.exists() and not folder.is_dir():
             raise InputError("a folder is expected; this is a file", file=folder)
         others = sorted(f.name for f in folder.glob("*") if f.name not in (*self.texts, REPORT))
         if others:
             message = f"there is something else here ({others[0]}): give an empty folder as --out"
             raise InputError(message, file=folder)
-        for name, text in self.texts.items():
-            write_text(folder / name, text)
-        write_text(folder / REPORT, json.dumps(self.as_dict(), indent=1) + "\n")
+        report = json.dumps(self.as_dict(), indent=1) + "\n"
+        texts = {**self.texts, REPORT: report}
+        with reserved(folder):
+            write_files(folder, {name: text.encode() for name, text in texts.items()})
