@@ -10,6 +10,7 @@ from dualarm_pin.exports.program import Points, Program
 
 GOAL, SENDER = "both.goal.yaml", "send_goal.py"
 _HINT = (
+    "The first point is not approached: the arms must stand there.",
     "Send it: python3 send_goal.py both.goal.yaml",
     "A shell argument holds about 280 points at most: do not pass this file as one.",
 )
