@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from dualarm_pin.cell import Cell as Cell
     from dualarm_pin.errors import DualArmError as DualArmError
     from dualarm_pin.evidence.examine import examine as examine
+    from dualarm_pin.exports import export as export
     from dualarm_pin.files.resources import urdf_folder as urdf_folder
     from dualarm_pin.indices.index import Index as Index
     from dualarm_pin.path import Path as Path
@@ -67,6 +68,7 @@ _HOMES = {
     "Solution": "solution",
     "Solver": "solvers.solver",
     "examine": "evidence.examine",
+    "export": "exports",
     "load_result": "answer.folder",
     "plan": "planners.methods",
     "plan_global": "planners.whole_path",

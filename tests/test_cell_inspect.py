@@ -47,7 +47,8 @@ def test_the_text_names_what_a_user_looks_for(report: CellReport) -> None:
         "-150     45  deg",
         "base at (2.5, 0, 0) m, rpy (0, 0, 180) deg",
         "Rank of J_r over 50 random postures: 6 at 100%",
-        "no speed limit known",
+        "240 deg/s  900 deg/s^2   unknown",
+        "torque: missing for all joints",
     ):
         assert piece in text
 

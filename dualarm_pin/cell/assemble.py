@@ -12,6 +12,7 @@ import pinocchio as pin
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell.chains import Chains
+from dualarm_pin.cell.controller import controller_of
 from dualarm_pin.cell.joint_roles import roles_of
 from dualarm_pin.cell.joint_settings import Blame, Settings, find_joints, settings_of
 from dualarm_pin.cell.merged_model import joint_map_of, merged_model
@@ -54,6 +55,11 @@ class CellParts:
         """What stands in the cell or is carried, beside the links of the URDFs."""
         return self._objects
 
+    @property
+    def one_urdf(self) -> bool:
+        """Whether one URDF holds both arms."""
+        return any(len(robot.chains.tips) > 1 for robot in self._robots)
+
 
 def assemble(loader: Loader) -> CellParts:
     """Return the parts of the cell that a loader's specification asks for.
@@ -72,8 +78,8 @@ def assemble(loader: Loader) -> CellParts:
         loader.warnings += roles.warnings
         robots[key] = PlacedRobot(one, roles, placement_pose(base))
     placed = tuple(robots.values())
-    arms = (_arm(spec, robots, "arm1"), _arm(spec, robots, "arm2"))
     columns = _columns(placed)
+    arms = (_arm(spec, robots, columns, "arm1", blame), _arm(spec, robots, columns, "arm2", blame))
     if not columns:
         raise blame("nothing moves: neither arm has a joint that is not locked", ("arms",))
     tools = {tool: _carrier(robots, arm) for tool, arm in zip(TOOLS, arms, strict=True)}
@@ -122,15 +128,23 @@ def _free(
     return names
 
 
-def _arm(spec: CellSpec, robots: Mapping[str, PlacedRobot], arm: str) -> Arm:
+def _arm(
+    spec: CellSpec,
+    robots: Mapping[str, PlacedRobot],
+    columns: Sequence[Joint],
+    arm: str,
+    blame: Blame,
+) -> Arm:
     own = getattr(spec.arms, arm)
     tool = placement_pose(own.tool)
+    joints = [joint for joint in columns if joint.arm == arm]
+    controller = controller_of(own.controller, joints, blame, ("arms", arm, "controller"))
     placed = robots.get(arm, robots.get("both"))
     if placed is None:
-        return Arm(arm, None, "", "", placement_pose(own.base), tool, ())
-    joints = tuple(j.name for j in placed.roles.columns.values() if j.arm == arm)
-    robot = placed.chains.robot
-    return Arm(arm, robot.file, robot.root, placed.chains.tips[arm], placed.base, tool, joints)
+        return Arm(arm, None, "", "", placement_pose(own.base), tool, (), controller)
+    names = tuple(joint.name for joint in joints)
+    robot, tip = placed.chains.robot, placed.chains.tips[arm]
+    return Arm(arm, robot.file, robot.root, tip, placed.base, tool, names, controller)
 
 
 def _carrier(robots: Mapping[str, PlacedRobot], arm: Arm) -> tuple[str, pin.SE3]:

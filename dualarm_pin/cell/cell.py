@@ -161,7 +161,7 @@ class Cell(CellGeometry):
         for arm, field, base in zip(ARMS, ("base1", "base2"), (base1, base2), strict=True):
             if base is None:
                 continue
-            if any(len(robot.chains.tips) > 1 for robot in self._robots):
+            if self.one_urdf:
                 message = f"one URDF holds both arms of {self.name}: neither has a base to move"
                 raise InputError(f"{message}; give each arm a URDF of its own", field=field)
             bases[arm] = checked_pose(base, field)

@@ -10,6 +10,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from dualarm_pin.cell.cell import Cell
+from dualarm_pin.cell.controller import unusual
 from dualarm_pin.cell.objects import PlacedObject
 from dualarm_pin.cell.parts import Arm
 from dualarm_pin.cell.report import ArmReport, CellReport, CollisionReport, ObjectReport
@@ -65,6 +66,7 @@ def _arm(cell: Cell, number: int, samples: NDArray[np.float64]) -> ArmReport:
         tool_rpy_deg=_rounded(pin.rpy.matrixToRpy(arm.tool.rotation) * _DEG),
         tool_axis=_rounded(arm.tool.rotation @ cell.tool_axes[number]),
         reach=_reach(cell, arm, (cell.e1, cell.e2)[number], samples),
+        controller=unusual(arm.controller, arm.joints),
     )
 
 

@@ -54,6 +54,24 @@ class Joint:
     jerk: float | None = None
 
 
+@dataclass(frozen=True, eq=False)
+class Controller:
+    """Axes of the controller of one arm with k joints: (1 + coupling) (signs * q + offsets).
+
+    Attributes:
+        signs: 1 or -1 (k,).
+        offsets: (k,) [rad or m].
+        coupling: (k, k), row i holds what the other axes add to axis i; None for the one that the
+            controller is known to have.
+        prefix: Before the names of the joints in files for ROS; None for the usual one.
+    """
+
+    signs: Array
+    offsets: Array
+    coupling: Array | None
+    prefix: str | None
+
+
 @dataclass(frozen=True)
 class Arm:
     """One arm: a chain of joints from its base to its tool frame.
@@ -66,6 +84,7 @@ class Arm:
         base: Pose of the root link in the world of the cell.
         tool: Pose of the tool frame in the tip link.
         joints: Names of its own joints, base to tip.
+        controller: How its controller counts the axes.
     """
 
     name: str
@@ -75,6 +94,7 @@ class Arm:
     base: pin.SE3
     tool: pin.SE3
     joints: tuple[str, ...]
+    controller: Controller
 
 
 class Clearance(NamedTuple):

@@ -25,6 +25,8 @@ class ArmReport:
         tool_axis: Direction of the tool in the axes of the tip.
         reach: Largest distance of the tool frame from the origin of the first joint [m], over
             random postures; None without joints.
+        controller: What the cell file says of its axes: `signs`, `offsets_deg`, `coupling` and
+            `prefix`, by joint; only what is not as usual.
     """
 
     name: str
@@ -38,6 +40,7 @@ class ArmReport:
     tool_rpy_deg: tuple[float, ...]
     tool_axis: tuple[float, ...]
     reach: float | None
+    controller: dict[str, Any]
 
 
 @dataclass(frozen=True)

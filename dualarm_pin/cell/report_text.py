@@ -51,6 +51,8 @@ def _arm(arm: ArmReport) -> str:
     lines.append(f"  tool axis {_vector(arm.tool_axis)} in the tip")
     if arm.reach is not None:
         lines.append(f"  reach {arm.reach:.3f} m from its first joint")
+    for key, value in arm.controller.items():
+        lines.append(f"  controller {key}: {value}")
     return "\n".join(lines)
 
 

@@ -137,6 +137,27 @@ class JointSettings(Spec):
         return data
 
 
+class ControllerSpec(Spec):
+    """How the controller of an arm counts its axes, by joint name of the URDF.
+
+    axis = sign * joint + offset, and then factor * axis of every joint that is coupled to it.
+
+    Attributes:
+        signs: 1 or -1, such as `{joint_2: -1}`; 1 where nothing is said.
+        offsets_deg: Offsets of revolute joints [deg], such as `{joint_3: 90}`; 0 where nothing is
+            said.
+        coupling: Joint to other joints and factors, such as `{joint_3: {joint_2: -1}}`; that of
+            the controller where nothing is said, which couples the third axis of a FANUC.
+        prefix: Before the names of the joints in files for ROS, such as `left_`; that of the arm
+            where both come from one URDF, else nothing.
+    """
+
+    signs: dict[str, Literal[-1, 1]] = Field(default_factory=dict)
+    offsets_deg: dict[str, Number] = Field(default_factory=dict)
+    coupling: dict[str, dict[str, Number]] | None = None
+    prefix: str | None = None
+
+
 class ArmSpec(JointSettings):
     """One arm. Without a URDF here or above it is a frame that stands still at `base`.
 
@@ -150,6 +171,8 @@ class ArmSpec(JointSettings):
         base: Pose of the root link in the cell.
         tool: Pose of the tool frame (TCP) in the tip link.
         tool_axis: Direction of the tool in the tool frame, for reports and pictures.
+        controller: How its controller counts the axes, for programs, such as
+            `{signs: {joint_2: -1}}`.
     """
 
     urdf: str | None = None
@@ -160,6 +183,7 @@ class ArmSpec(JointSettings):
     base: PlacementSpec | None = None
     tool: PlacementSpec = PlacementSpec()
     tool_axis: Direction = (0.0, 0.0, 1.0)
+    controller: ControllerSpec = ControllerSpec()
 
 
 class ArmsSpec(Spec):
