@@ -7,10 +7,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from dualarm_pin.cell import Cell
 from dualarm_pin.cell.describe import describe
 from dualarm_pin.cell.report import CellReport
 from dualarm_pin.cell.report_text import text_of
+from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import read_yaml
 from dualarm_pin.files.write import write_bytes
@@ -93,8 +96,29 @@ def _facts(task: Task) -> dict[str, Any]:
         "smoothness": task.smoothness,
         "Gamma": [point + 1 for point in task.Gamma],
         "constraints": [row.name for row in task.rows],
+        **_clearance(task),
         "first_point_error": residual,
         "first_point": "reached" if reached else "not reached by random postures",
+    }
+
+
+def _clearance(task: Task) -> dict[str, Any]:
+    """Return what is asked of distances, and what the path and the arms say to that."""
+    rule, asked = task.clearance, asked_of(task)
+    if rule is None:
+        return {"clearance": "off"}
+    if not asked.any:
+        return {"clearance": "unknown: no two bodies can be compared"}
+    held, counts = np.unique(asked.required[asked.required > -np.inf], return_counts=True)
+    parts = [f"{r:g} m of {n} pairs" for r, n in zip(held[::-1], counts[::-1], strict=True)]
+    return {
+        "clearance": ", ".join(parts) + ("" if rule.between_points else ", at the points alone"),
+        "fixed_by_path": [pair.text for pair in asked.fixed],
+        "asked_0_m_only": [
+            f"{' and '.join(pair)} are nowhere more than {most:.3f} m apart"
+            for pair, most in asked.lowered
+        ],
+        "forbidden_by_path": [pair.text for pair in asked.forbidden],
     }
 
 
@@ -105,4 +129,6 @@ def _first_posture(task: Task) -> tuple[Any, float]:
 
 
 def _shown(value: Any) -> str:
+    if isinstance(value, list) and value and isinstance(value[0], str):
+        return ("\n" + " " * 20).join(value)
     return f"{value:.4g}" if isinstance(value, float) else str(value)

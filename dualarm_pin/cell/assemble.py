@@ -16,6 +16,7 @@ from dualarm_pin.cell.joint_roles import roles_of
 from dualarm_pin.cell.joint_settings import Blame, Settings, find_joints, settings_of
 from dualarm_pin.cell.merged_model import joint_map_of, merged_model
 from dualarm_pin.cell.merged_urdf import TOOLS, WORLD
+from dualarm_pin.cell.objects import PlacedObject, colliding_links, placed_objects
 from dualarm_pin.cell.parts import ARMS, Arm, Joint, SourceFile, read_only
 from dualarm_pin.cell.placed_robot import PlacedRobot
 from dualarm_pin.cell.poses import placement_pose
@@ -41,16 +42,17 @@ class CellParts:
     _robots: tuple[PlacedRobot, ...]
     _disabled: Mapping[int, frozenset[frozenset[str]]]
     _package_dirs: tuple[Path, ...]
+    _objects: tuple[PlacedObject, ...]
 
     @cached_property
     def body_names(self) -> tuple[str, ...]:
-        """Names of what may collide: links with a collision body, `arm1/<link>`; loads nothing."""
-        return tuple(
-            placed.link(link.name)
-            for placed in self._robots
-            for link in placed.chains.robot.links.values()
-            if link.collisions
-        )
+        """Names of what may collide: links with a body, `arm1/<link>`, objects; loads nothing."""
+        return (*colliding_links(self._robots), *(thing.name for thing in self._objects))
+
+    @property
+    def objects(self) -> tuple[PlacedObject, ...]:
+        """What stands in the cell or is carried, beside the links of the URDFs."""
+        return self._objects
 
 
 def assemble(loader: Loader) -> CellParts:
@@ -99,6 +101,7 @@ def assemble(loader: Loader) -> CellParts:
             number: srdfs[key].disabled for number, key in enumerate(robots) if key in srdfs
         },
         _package_dirs=loader.package_dirs,
+        _objects=placed_objects(loader, placed),
     )
 
 

@@ -6,12 +6,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
+from typing import Literal
 
 import pinocchio as pin
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell.build_bodies import Bodies, build_bodies
 from dualarm_pin.cell.moved import Moves, moved_bodies
+from dualarm_pin.cell.objects import PlacedObject
+from dualarm_pin.cell.overlaps import refuse_overlaps
 from dualarm_pin.cell.pairs import add_pairs
 from dualarm_pin.cell.placed_robot import PlacedRobot
 
@@ -23,6 +26,7 @@ class CellBodies:
     Attributes:
         model: Model of the cell.
         robots: Its placed URDFs.
+        objects: What stands in the cell or is carried.
         disabled: Number of a robot to the pairs of plain link names its SRDF disables.
         package_dirs: Further folders to search for meshes.
         postures: q of the model (m, nv), to find pairs that always collide.
@@ -32,6 +36,7 @@ class CellBodies:
 
     model: pin.Model
     robots: tuple[PlacedRobot, ...]
+    objects: tuple[PlacedObject, ...]
     disabled: Mapping[int, frozenset[frozenset[str]]]
     package_dirs: tuple[Path, ...]
     postures: Array
@@ -53,7 +58,7 @@ class CellBodies:
         """Collision bodies with their meshes as they are, and the pairs of the hulls."""
         if self.loaded:
             return self._moved(self.loaded.meshes)
-        bodies = build_bodies(self.model, self.robots, "collision", self.package_dirs)
+        bodies = self._built("collision")
         for pair in self.hulls.model.collisionPairs:
             bodies.model.addCollisionPair(pair)
         return bodies
@@ -63,12 +68,18 @@ class CellBodies:
         """Bodies for the eye."""
         if self.loaded:
             return self._moved(self.loaded.visual)
-        return build_bodies(self.model, self.robots, "visual", self.package_dirs)
+        return self._built("visual")
 
     @cached_property
     def _checked(self) -> tuple[Bodies, tuple[str, ...]]:
-        bodies = build_bodies(self.model, self.robots, "collision", self.package_dirs, True)
-        return bodies, add_pairs(self.model, bodies, self.robots, self.disabled, self.postures)
+        bodies = self._built("collision", hulls=True)
+        refuse_overlaps(bodies, self.objects)
+        return bodies, add_pairs(
+            self.model, bodies, self.robots, self.objects, self.disabled, self.postures
+        )
+
+    def _built(self, kind: Literal["visual", "collision"], *, hulls: bool = False) -> Bodies:
+        return build_bodies(self.model, self.robots, kind, self.package_dirs, hulls, self.objects)
 
     def _moved(self, bodies: Bodies) -> Bodies:
         return moved_bodies(bodies, self.model, self.robots, self.moves)

@@ -18,7 +18,7 @@ from dualarm_pin.cell.geometry import CellGeometry
 from dualarm_pin.cell.moved import base_moves, moved_model
 from dualarm_pin.cell.parts import ARMS, read_only
 from dualarm_pin.cell.poses import checked_pose
-from dualarm_pin.cell.python_arguments import checked_spec, file_name, placement
+from dualarm_pin.cell.python_arguments import checked_spec, file_name, placement, thing
 from dualarm_pin.cell.read_robots import Loader
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.source import Key, Source, read_yaml
@@ -70,7 +70,8 @@ class Cell(CellGeometry):
         Raises:
             InputError: As for `load`.
         """
-        return cls(**vars(assemble(Loader.of_file(source, keys))))
+        loader = Loader.of_file(source, keys)
+        return cls._made(loader)
 
     @classmethod
     def from_urdf(
@@ -87,6 +88,7 @@ class Cell(CellGeometry):
         free: Sequence[str] = (),
         srdf: str | Path | tuple[str | Path | None, str | Path | None] | None = None,
         package_dirs: Sequence[str | Path] = (),
+        objects: Mapping[str, Mapping[str, Any]] | None = None,
         name: str | None = None,
     ) -> Cell:
         """Build a cell from one URDF that holds both arms, or from two.
@@ -103,6 +105,8 @@ class Cell(CellGeometry):
             free: Common joints that may move.
             srdf: SRDF of `urdf1` (and of `urdf2` if that is the same file), or one for each.
             package_dirs: Further folders to search for packages and meshes.
+            objects: Things in the cell as a cell file states them, by name; `at` may be a
+                `pin.SE3`.
             name: Name of the cell.
 
         Raises:
@@ -127,9 +131,20 @@ class Cell(CellGeometry):
             "lock": dict(lock or {}),
             "free": list(free),
             "package_dirs": [str(entry) for entry in package_dirs],
+            "objects": {key: thing(given) for key, given in (objects or {}).items()},
         }
         spec = checked_spec(whole if urdf2 is not None else whole | robot1)
-        return cls(**vars(assemble(Loader.of_python(spec, name or Path(urdf1).stem))))
+        return cls._made(Loader.of_python(spec, name or Path(urdf1).stem))
+
+    @classmethod
+    def _made(cls, loader: Loader) -> Cell:
+        cell = cls(**vars(assemble(loader)))
+        if loader.spec.objects:  # their meshes and places are the user's: errors come at once
+            try:
+                _ = cell.collision
+            except InputError as error:
+                raise loader.blame(error.message, (error.field or "").split(".")) from error
+        return cell
 
     def moved(self, *, base1: pin.SE3 | None = None, base2: pin.SE3 | None = None) -> Cell:
         """Return this cell with its bases elsewhere; no file is read, and bodies are shared.
@@ -210,7 +225,9 @@ class Cell(CellGeometry):
         # The same postures on every machine: which pairs are dropped must not depend on luck.
         draw = np.random.default_rng(0).uniform(self.lower, self.upper, (100, self.n))
         postures = draw @ self.joint_map.T + self.joint_offset
-        return CellBodies(self.model, self._robots, self._disabled, self._package_dirs, postures)
+        return CellBodies(
+            self.model, self._robots, self._objects, self._disabled, self._package_dirs, postures
+        )
 
     def __getstate__(self) -> dict[str, Any]:
         """Leave the bodies behind: a worker loads them when it needs them."""

@@ -9,7 +9,7 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from dualarm_pin.cell.build_bodies import Bodies
-from dualarm_pin.cell.parts import Clearance
+from dualarm_pin.cell.parts import ARMS, Clearance
 
 Scratch = dict[str, Any]
 
@@ -29,7 +29,7 @@ def smallest(
         hulls: Its bodies with the pairs, meshes as convex hulls.
         q: Pinocchio's q (nv,).
         scratch: Work space of one thread and one cell.
-        between_arms: Only pairs of a body of arm1 and one of arm2.
+        between_arms: Only pairs of a body of arm1 and one of arm2, with what they carry.
         meshes: The same bodies with meshes as they are; then the hulls only bound from below, and
             pairs are measured again until no other can be nearer. (A mesh is a surface: a part that
             is wholly inside another counts as apart.)
@@ -122,8 +122,8 @@ def _scene(bodies: Bodies, between_arms: bool) -> tuple[pin.GeometryData, bool]:
     active = len(bodies.model.collisionPairs)
     if between_arms:
         for k, pair in enumerate(bodies.model.collisionPairs):
-            arms = {bodies.links[pair.first][:5], bodies.links[pair.second][:5]}
-            if arms != {"arm1/", "arm2/"}:
+            arms = {bodies.owners[pair.first], bodies.owners[pair.second]}
+            if arms != set(ARMS):
                 scene.deactivateCollisionPair(k)
                 active -= 1
     return scene, active > 0

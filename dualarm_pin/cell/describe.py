@@ -10,8 +10,9 @@ import pinocchio as pin
 from numpy.typing import NDArray
 
 from dualarm_pin.cell.cell import Cell
+from dualarm_pin.cell.objects import PlacedObject
 from dualarm_pin.cell.parts import Arm
-from dualarm_pin.cell.report import ArmReport, CellReport, CollisionReport
+from dualarm_pin.cell.report import ArmReport, CellReport, CollisionReport, ObjectReport
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -42,6 +43,7 @@ def describe(cell: Cell, seed: int = 0) -> CellReport:
         ranks={rank: ranks[rank] / _POSTURES for rank in sorted(ranks, reverse=True)},
         smallest_singular_value=float(np.median([s[5] if len(s) > 5 else 0.0 for s in values])),
         postures=_POSTURES,
+        objects=tuple(_object(cell, thing) for thing in cell.objects),
         collision=_collision(cell, postures),
         links_without_inertia=cell.links_without_inertia,
         warnings=cell.warnings,
@@ -76,6 +78,22 @@ def _reach(cell: Cell, arm: Arm, tool: int, samples: NDArray[np.float64]) -> flo
         hand = pin.updateFramePlacement(cell.model, data, tool).translation
         largest = max(largest, float(np.linalg.norm(hand - data.oMi[first].translation)))
     return round(largest, 3)
+
+
+def _object(cell: Cell, thing: PlacedObject) -> ObjectReport:
+    [item] = [each for each in cell.collision.geometryObjects if each.name == thing.name]
+    item.geometry.computeLocalAABB()
+    box = item.geometry.aabb_local
+    return ObjectReport(
+        name=thing.name,
+        what=thing.text,
+        on=thing.on,
+        xyz=_rounded(thing.pose.translation),
+        rpy_deg=_rounded(pin.rpy.matrixToRpy(thing.pose.rotation) * _DEG),
+        size=tuple(round(float(length), 6) for length in np.array(box.max_) - np.array(box.min_)),
+        pairs=sum(thing.name in pair for pair in cell.pairs),
+        allowed=tuple(sorted(thing.allowed)),
+    )
 
 
 def _collision(cell: Cell, postures: NDArray[np.float64]) -> CollisionReport:

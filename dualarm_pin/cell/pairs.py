@@ -9,7 +9,9 @@ import numpy as np
 import pinocchio as pin
 
 from dualarm_pin.cell.build_bodies import Bodies
+from dualarm_pin.cell.objects import PlacedObject
 from dualarm_pin.cell.placed_robot import PlacedRobot
+from dualarm_pin.errors import InputError
 
 _ALWAYS = 0.9  # share of random configurations above which a pair says nothing
 _SAMPLES = 100
@@ -19,23 +21,29 @@ def add_pairs(
     model: pin.Model,
     bodies: Bodies,
     robots: Sequence[PlacedRobot],
+    objects: Sequence[PlacedObject],
     disabled: Mapping[int, frozenset[frozenset[str]]],
     configurations: np.ndarray,
 ) -> tuple[str, ...]:
     """Add the collision pairs to the geometry of a cell.
 
-    Left out are pairs that no joint moves, links that one joint connects, pairs the SRDF disables,
-    and, for a robot without SRDF, pairs of its own links that collide nearly always.
+    Left out are pairs that no joint moves, links that one joint connects, pairs the SRDF disables
+    or an object allows, and, for a robot without SRDF, pairs of its own links that collide nearly
+    always.
 
     Args:
         model: Model of the cell.
         bodies: Its collision bodies; their pairs are set here.
         robots: The placed URDFs.
+        objects: What stands in the cell or is carried.
         disabled: Number of a robot to the pairs of plain link names its SRDF disables.
         configurations: Random q of the model (m, nv), to find pairs that always collide.
 
     Returns:
         Notes on what was left out because it nearly always collides.
+
+    Raises:
+        InputError: An object collides nearly always: it stands in the way.
     """
     geometry = bodies.model
     body = _rigid_bodies(robots)
@@ -43,6 +51,10 @@ def add_pairs(
         frozenset(robots[number].link(link) for link in pair)
         for number, pairs in disabled.items()
         for pair in pairs
+    }
+    off |= {frozenset((thing.name, body)) for thing in objects for body in thing.allowed}
+    body |= {
+        thing.name: (-1 - number, thing.name, frozenset()) for number, thing in enumerate(objects)
     }
     for (i, first), (j, second) in itertools.combinations(enumerate(bodies.links), 2):
         a, b = geometry.geometryObjects[i], geometry.geometryObjects[j]
@@ -82,7 +94,11 @@ def _drop_constant(
     # Plain numbers: the pairs themselves are views that shift when one is removed.
     pairs = [(pair.first, pair.second) for pair in geometry.collisionPairs]
     robots = [tuple(body[bodies.links[k]][0] for k in pair) for pair in pairs]
-    judged = [k for k, (i, j) in enumerate(robots) if i == j and i not in described]
+    judged = [
+        k
+        for k, (i, j) in enumerate(robots)
+        if (i == j and i not in described) or min(i, j) < 0  # an object is of no robot
+    ]
     if not judged or not len(configurations):
         return ()
     data, hits = model.createData(), np.zeros(len(pairs))
@@ -95,6 +111,13 @@ def _drop_constant(
         i, j = pairs[k]
         if hits[k] < _ALWAYS * len(configurations):
             continue
+        for thing, other in ((i, j), (j, i)):
+            if body[bodies.links[thing]][0] < 0:
+                name, of = bodies.links[thing], bodies.links[other]
+                raise InputError(
+                    f"touches {of} in nearly every posture: move it (`at`), or say `allow: [{of}]`",
+                    field=f"objects.{name}",
+                )
         geometry.removeCollisionPair(pin.CollisionPair(i, j))
         first, second = sorted((bodies.links[i], bodies.links[j]))
         names[f"{first} and {second} touch in nearly every posture: not checked"] = None

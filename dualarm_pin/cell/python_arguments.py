@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -29,6 +30,13 @@ def checked_spec(whole: dict[str, Any]) -> CellSpec:
 def file_name(file: str | Path | None) -> str | None:
     """Return a file as a cell file names it."""
     return None if file is None else str(file)
+
+
+def thing(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return an object as a cell file states it."""
+    at = given.get("at")
+    plain = {key: str(value) if isinstance(value, Path) else value for key, value in given.items()}
+    return plain | ({"at": placement(at)} if isinstance(at, pin.SE3) else {})
 
 
 def placement(pose: pin.SE3 | None) -> dict[str, Any]:

@@ -77,7 +77,12 @@ class Loader:
             if name in level.model_fields_set and getattr(level, name) not in (None, {}):
                 raise self.blame(message.format(name), (*keys, name))
 
-    def _find(self, name: str, keys: Sequence[str]) -> Path:
+    def find(self, name: str, keys: Sequence[str]) -> Path:
+        """Return the file that a name at `keys` stands for.
+
+        Raises:
+            MissingFileError: It is nowhere.
+        """
         try:
             return find_file(name, self.folder, self.package_dirs)
         except InputError as error:
@@ -91,7 +96,7 @@ class Loader:
         self, level: CellSpec | ArmSpec, keys: Sequence[str] = ()
     ) -> tuple[Robot, Srdf | None]:
         """Read the URDF or xacro file, and the SRDF if any, of a level that stands at `keys`."""
-        path = self._find(level.urdf or "", (*keys, "urdf"))
+        path = self.find(level.urdf or "", (*keys, "urdf"))
         raw = read_bytes(path)
         self.note(path, raw)
         if path.suffix == ".xacro":
@@ -101,7 +106,7 @@ class Loader:
         robot, srdf = parse_urdf(raw, path), None
         self._warn(robot)
         if level.srdf is not None:
-            path = self._find(level.srdf, (*keys, "srdf"))
+            path = self.find(level.srdf, (*keys, "srdf"))
             srdf = read_srdf(path, robot)
             self.note(path, read_bytes(path))
             self._warn(srdf)

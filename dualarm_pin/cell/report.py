@@ -41,6 +41,31 @@ class ArmReport:
 
 
 @dataclass(frozen=True)
+class ObjectReport:
+    """Something that stands in the cell or is carried, as understood.
+
+    Attributes:
+        name: Its name.
+        what: Its shape, for people.
+        on: What carries it.
+        xyz: Position of its middle in that frame [m].
+        rpy_deg: Its roll, pitch and yaw there [deg].
+        size: Extent along its own axes [m].
+        pairs: Number of pairs of bodies that it is checked in.
+        allowed: Bodies that it may touch.
+    """
+
+    name: str
+    what: str
+    on: str
+    xyz: tuple[float, ...]
+    rpy_deg: tuple[float, ...]
+    size: tuple[float, ...]
+    pairs: int
+    allowed: tuple[str, ...]
+
+
+@dataclass(frozen=True)
 class CollisionReport:
     """The bodies as understood.
 
@@ -73,6 +98,7 @@ class CellReport:
         ranks: Rank of J_r to the share of random postures that have it.
         smallest_singular_value: Median of the sixth singular value of J_r over them.
         postures: Number of random postures.
+        objects: What stands in the cell or is carried.
         collision: The bodies and their pairs.
         links_without_inertia: Moving links whose mass no URDF states.
         warnings: What is odd, though it works.
@@ -86,6 +112,7 @@ class CellReport:
     ranks: dict[int, float]
     smallest_singular_value: float
     postures: int
+    objects: tuple[ObjectReport, ...]
     collision: CollisionReport
     links_without_inertia: tuple[str, ...]
     warnings: tuple[str, ...]

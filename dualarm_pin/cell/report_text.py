@@ -6,9 +6,10 @@ import math
 from collections.abc import Sequence
 
 from dualarm_pin.cell.parts import MOTION_KEYS, Joint
-from dualarm_pin.cell.report import ArmReport, CellReport
+from dualarm_pin.cell.report import ArmReport, CellReport, ObjectReport
 
 _DEG = 180.0 / math.pi
+_HUGE = 20.0  # m; no robot of the tests reaches a fifth of it
 _SHOWN = 12  # lines of a list that can be very long
 
 
@@ -26,6 +27,9 @@ def text_of(report: CellReport) -> str:
         f"Rank of J_r over {report.postures} random postures: {ranks} "
         f"(median of the smallest singular value {report.smallest_singular_value:.3g})"
     )
+    if report.objects:
+        title = f"Objects ({len(report.objects)})"
+        blocks.append(_list(title, [_object(thing) for thing in report.objects]))
     blocks.append(_collision(report))
     if report.links_without_inertia:
         title = f"Links without inertia ({len(report.links_without_inertia)})"
@@ -83,6 +87,19 @@ def _motion_limits(joints: Sequence[Joint]) -> str:
 
 def _known(value: float | None, scale: float, unit: str) -> str:
     return "unknown" if value is None else f"{value * scale:.6g} {unit}"
+
+
+def _object(thing: ObjectReport) -> str:
+    """Return a line; a mesh in millimetres is the usual mistake, and shows in its size."""
+    turned = f", rpy {_vector(thing.rpy_deg)} deg" if any(thing.rpy_deg) else ""
+    line = f"{thing.name}: {thing.what} on {thing.on} at {_vector(thing.xyz)} m{turned}"
+    line += f", extent {_vector(tuple(round(length, 3) for length in thing.size))} m"
+    line += f", in {thing.pairs} pairs"
+    if thing.allowed:
+        line += f", may touch {', '.join(thing.allowed)}"
+    if max(thing.size) > _HUGE:
+        line += " (a mesh in millimetres? scale: 0.001)"
+    return line
 
 
 def _collision(report: CellReport) -> str:

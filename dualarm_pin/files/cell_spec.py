@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Literal, Self, get_args
 
 import numpy as np
 import pinocchio as pin
@@ -11,6 +11,9 @@ from pydantic import AfterValidator, Field, model_validator
 from dualarm_pin.arrays import rotations
 from dualarm_pin.files.numbers import Number, Positive, Vector
 from dualarm_pin.files.source import Spec
+
+ShapeKind = Literal["box", "sphere", "cylinder", "capsule", "mesh"]
+SHAPES: tuple[ShapeKind, ...] = get_args(ShapeKind)
 
 
 def _ascending(pair: tuple[float, float]) -> tuple[float, float]:
@@ -132,6 +135,54 @@ class ArmsSpec(Spec):
     arm2: ArmSpec
 
 
+class RoundSpec(Spec):
+    """A cylinder or capsule along z about its middle; the length of a capsule is without ends."""
+
+    radius: Positive
+    length: Positive
+
+
+class ObjectSpec(Spec):
+    """Something that stands in the cell or is carried: exactly one shape, in metres.
+
+    Attributes:
+        box: Lengths of its edges along x, y and z.
+        sphere: Radius.
+        cylinder: Radius and length.
+        capsule: Radius and length.
+        mesh: A file.
+        scale: Factor of a mesh: 0.001 for a file in millimetres.
+        on: What carries it: `world`, the tool frame of an arm, `arm1`, or a link, `arm1/<link>`.
+        at: Pose of its middle, or of the mesh, in that frame.
+        allow: Bodies that it may touch.
+    """
+
+    box: tuple[Positive, Positive, Positive] | None = None
+    sphere: Positive | None = None
+    cylinder: RoundSpec | None = None
+    capsule: RoundSpec | None = None
+    mesh: str | None = None
+    scale: Positive = 1.0
+    on: str = "world"
+    at: PlacementSpec = PlacementSpec()
+    allow: list[str] = Field(default_factory=list)
+
+    @model_validator(mode="after")
+    def _one_shape(self) -> Self:
+        given = [kind for kind in SHAPES if getattr(self, kind) is not None]
+        if len(given) != 1:
+            shown = ", ".join(given) or "none"
+            raise ValueError(f"exactly one shape is expected: {', '.join(SHAPES)}; given {shown}")
+        if "scale" in self.model_fields_set and self.mesh is None:
+            raise ValueError("`scale` belongs to a mesh")
+        return self
+
+    @property
+    def kind(self) -> ShapeKind:
+        """Which shape it is."""
+        return next(kind for kind in SHAPES if getattr(self, kind) is not None)
+
+
 class CellSpec(JointSettings):
     """A whole cell file.
 
@@ -143,6 +194,7 @@ class CellSpec(JointSettings):
         arms: The two arms.
         free: Common joints (a torso) that the planner may move; all others are locked.
         package_dirs: Further folders to search for packages and meshes.
+        objects: What stands in the cell or is carried, by name.
     """
 
     name: str | None = None
@@ -152,3 +204,4 @@ class CellSpec(JointSettings):
     arms: ArmsSpec
     free: list[str] = Field(default_factory=list)
     package_dirs: list[str] = Field(default_factory=list)
+    objects: dict[str, ObjectSpec] = Field(default_factory=dict)

@@ -10,6 +10,9 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.cpp_messages import captured_stderr
 
+_MANY = 200_000  # corners; a hull of so many takes five seconds, and as long to draw
+_SAMPLE = 5_000  # corners: their hull takes a tenth of a second
+_SHARE = 0.6  # robots and castings have up to a third of a sample on its hull, balls all of it
 _THIN = 1e-4  # m, and share of its size: a body thinner than this is made so thick
 
 
@@ -28,6 +31,15 @@ def convex_hull(corners: Array) -> coal.CollisionGeometry:
         with captured_stderr(), suppress(RuntimeError, ValueError):
             return coal.Convex.convexHull(points, True, options)
     raise ValueError("it has no convex hull")
+
+
+def too_round(corners: Array) -> bool:
+    """Tell from a sample whether a hull has too many corners: a finely cut ball has only such."""
+    if len(corners) <= _MANY:
+        return False
+    sample = corners[np.random.default_rng(0).choice(len(corners), _SAMPLE, replace=False)]
+    hull = convex_hull(sample)
+    return isinstance(hull, coal.ConvexBase) and hull.num_points > _SHARE * _SAMPLE
 
 
 def _thickened(points: Array) -> Array:

@@ -11,7 +11,7 @@ import numpy as np
 from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.errors import InputError
 from dualarm_pin.meshes.formats import read_mesh
-from dualarm_pin.meshes.hull import convex_hull
+from dualarm_pin.meshes.hull import convex_hull, too_round
 
 _LARGEST = 500_000_000  # bytes
 _FAR = 1e6  # m
@@ -48,7 +48,14 @@ def _load(
     if not np.abs(points).max(initial=0.0) < _FAR:
         raise ValueError("a corner is not finite or absurdly far away")
     if hull:
-        return convex_hull(points[np.unique(triangles)])
+        corners = points[np.unique(triangles)]
+        if too_round(corners):
+            message = (
+                f"{len(triangles)} triangles, nearly every corner of them on the convex hull, are "
+                "too many: simplify the mesh, for instance to 20000 triangles"
+            )
+            raise InputError(message, file=path)
+        return convex_hull(corners)
     mesh = coal.BVHModelOBBRSS()
     mesh.beginModel(len(triangles), len(points))
     mesh.addVertices(points)

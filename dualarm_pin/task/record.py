@@ -43,6 +43,9 @@ def _cell_record(source: Source, keys: Sequence[Key]) -> dict[str, Any]:
         for key in ("urdf", "srdf"):
             if isinstance(part, dict) and part.get(key) is not None:
                 part[key] = _found_anywhere(part[key], folder)
+    for thing in (record.get("objects") or {}).values():
+        if thing.get("mesh") is not None:
+            thing["mesh"] = _found_anywhere(thing["mesh"], folder)
     if record.get("package_dirs"):
         record["package_dirs"] = [_found_anywhere(d, folder) for d in record["package_dirs"]]
     record.setdefault("name", source.path.stem)
