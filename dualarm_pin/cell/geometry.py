@@ -117,16 +117,20 @@ class CellGeometry(CellParts):
         """
         return all_distances(self.model, self._bodies.hulls, self.model_q(q), scratch_of(self))
 
-    def distance(self, q: ArrayLike, pair: int) -> float:
-        """Return the distance [m] of one pair at q (n,), with the meshes as they are.
+    def distance(self, q: ArrayLike, pair: int, *, exact: bool = False) -> float:
+        """Return the distance [m] of one pair at q (n,), meshes as convex hulls by default.
+
+        Args:
+            q: Joints (n,) [rad or m].
+            pair: Which of `pairs`.
+            exact: With the meshes as they are.
 
         Raises:
             ShapeError: q does not have n values.
         """
         bodies = self._bodies
-        return measured(
-            self.model, bodies.hulls, bodies.meshes, self.model_q(q), scratch_of(self), pair
-        )
+        meshes = bodies.meshes if exact else None
+        return measured(self.model, bodies.hulls, self.model_q(q), scratch_of(self), pair, meshes)
 
     def distance_placed(
         self, pair: int, first: pin.SE3, second: pin.SE3, *, exact: bool = False
