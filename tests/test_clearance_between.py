@@ -12,7 +12,7 @@ from ns16_pair import motions
 
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import between as module
-from dualarm_pin.clearance.between import between_points
+from dualarm_pin.clearance.between import Between, Search
 from dualarm_pin.clearance.travel import travel
 from dualarm_pin.files.resources import urdf_folder
 
@@ -33,6 +33,11 @@ def random_lines(cell: Cell, count: int, length: float, seed: int = 0) -> Array:
     for _ in range(count):
         q.append(np.clip(q[-1] + random.uniform(-length, length, cell.n), cell.lower, cell.upper))
     return np.array(q)
+
+
+def look(cell: Cell, q: Array, required: Array) -> tuple[Search, Between]:
+    search = Search(cell, q, required)
+    return search, search.between()
 
 
 def dense(cell: Cell, q: Array, samples: int = 41) -> Array:
@@ -65,10 +70,10 @@ def test_the_certificate_holds_and_is_near_the_smallest_distance(crowded: Cell, 
     free = np.flatnonzero(seen.min(axis=(0, 1)) > 0.0)
     required = np.full(len(crowded.pairs), -np.inf)
     required[free] = 0.0
-    found = between_points(crowded, q, required)
+    search, found = look(crowded, q, required)
     least = float(seen[:, :, free].min())
-    assert found.level == "certified"
-    assert found.kept
+    assert search.kept
+    assert found.bound is not None
     assert found.least - 6e-4 <= found.bound <= least + 1e-9
     assert found.least <= least + 6e-4
     i = int(np.argmin(found.distance))
@@ -90,10 +95,11 @@ def test_a_collision_between_two_free_points_is_found(crowded: Cell) -> None:
         q = random_lines(crowded, 1, 1.0, seed)
         seen = dense(crowded, q, 81)[0, :, number]
         if seen[::20].min() > 0.0 > seen.min():
-            found = between_points(crowded, q, required)
-            assert not found.kept
+            search, found = look(crowded, q, required)
+            assert not search.kept
             assert found.least <= 0.0
-            assert found.level == "certified"
+            assert found.bound is not None
+            assert 0.0 < search.worst[2] < 1.0
             return
     raise AssertionError("no such swing was drawn: the test proves nothing")
 
@@ -101,21 +107,20 @@ def test_a_collision_between_two_free_points_is_found(crowded: Cell) -> None:
 def test_the_motions_of_the_paper_s_task_are_certified_in_few_distances(cell: Cell) -> None:
     required = np.zeros(len(cell.pairs))
     for q, _ in motions():
-        found = between_points(cell, q, required)
-        assert found.level == "certified"
-        assert found.kept
+        search, found = look(cell, q, required)
+        assert found.bound is not None
+        assert search.kept
         assert found.least == pytest.approx(0.02574, abs=1e-5)
-        assert found.distances < 400
+        assert search.distances < 400
 
 
 def test_a_certificate_that_takes_too_long_is_not_claimed(
     cell: Cell, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(module, "_MOST", 5)
-    found = between_points(cell, motions()[0][0], np.zeros(len(cell.pairs)))
-    assert found.level == "samples"
-    assert found.bound == -np.inf
-    assert found.kept  # as far as it was looked at
+    search, found = look(cell, motions()[0][0], np.zeros(len(cell.pairs)))
+    assert found.bound is None
+    assert search.kept  # as far as it was looked at
 
 
 def test_hulls_that_are_too_near_are_measured_as_meshes(tmp_path) -> None:
@@ -141,6 +146,37 @@ def test_hulls_that_are_too_near_are_measured_as_meshes(tmp_path) -> None:
     required = np.full(len(cell.pairs), -np.inf)
     required[cell.pairs.index(pair)] = 0.02
     assert cell.distances(q[0])[cell.pairs.index(pair)] < 0.0
-    found = between_points(cell, q, required)
-    assert found.kept
+    search, found = look(cell, q, required)
+    assert search.kept
     assert found.least > 0.05
+
+
+@pytest.mark.parametrize(
+    "asks", ["0.02", "{required: 0.4}", "{required: 0.0, between_points: false}"]
+)
+def test_an_answer_says_what_it_keeps_and_a_result_folder_gives_it_back(asks, tmp_path) -> None:
+    from paper_case import TASK
+
+    from dualarm_pin.answer.folder import load_result, save_result
+    from dualarm_pin.answer.summary import summary
+    from dualarm_pin.answer.verify import verified
+    from dualarm_pin.task import Task
+
+    task = Task.load(TASK, [f"clearance={asks}"])
+    answer = verified(task, motions()[0][0], method="m", solver="s")
+    apart = answer.checked.apart
+    assert apart is not None
+    assert apart.kept == (asks != "{required: 0.4}")
+    assert apart.level == ("points" if "false" in asks else "certified")
+    assert ("NOT KEPT" in summary(task, answer)) == (not apart.kept)
+    save_result(tmp_path / "r", task, answer)
+    again = load_result(tmp_path / "r")[1].checked.apart
+    assert again is not None
+    assert (again.required, again.level, again.kept, again.worst, again.pairs, again.bound) == (
+        apart.required, apart.level, apart.kept, apart.worst, apart.pairs, apart.bound
+    )  # fmt: skip
+    if apart.between is None:
+        assert again.between is None
+    else:
+        np.testing.assert_allclose(again.between, apart.between)
+        np.testing.assert_allclose(again.place, apart.place)

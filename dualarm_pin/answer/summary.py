@@ -21,6 +21,7 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     )
     if t.arm_clearance is not None:
         clearance += f", between the arms {t.arm_clearance:.3f} m"
+    clearance += _between(trajectory)
     units = task.index.units
     lines = [
         f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",
@@ -38,6 +39,25 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     if t.evidence.sentences:
         lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
     return "\n".join(lines)
+
+
+_LEVELS = {
+    "points": "looked at the points alone",
+    "samples": "sampled, not certified",
+    "certified": "certified",
+}
+
+
+def _between(trajectory: Trajectory) -> str:
+    """Return what is asked of the distances and what they are between the points."""
+    apart = trajectory.checked.apart
+    if apart is None:
+        return ""
+    text, least = "", apart.least_between
+    if least is not None:
+        text = f"; between the points {least:.3f} m"
+    text += f" ({_LEVELS[apart.level]})"
+    return text if apart.kept else f"{text}\n{' ' * 13}NOT KEPT: {apart.worst}"
 
 
 def _rows(trajectory: Trajectory) -> list[str]:

@@ -15,7 +15,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.cell.assemble import CellParts
 from dualarm_pin.cell.bodies import CellBodies
 from dualarm_pin.cell.clearance import all_distances, measured, placed, smallest
-from dualarm_pin.cell.parts import Clearance, Pair
+from dualarm_pin.cell.parts import ARMS, Clearance, Pair
 from dualarm_pin.errors import ShapeError
 
 
@@ -105,6 +105,14 @@ class CellGeometry(CellParts):
         """The two bodies of each collision pair; those of several shapes stand more than once."""
         links, ends = self._bodies.hulls.links, self.collision.collisionPairs
         return tuple((links[pair.first], links[pair.second]) for pair in ends)
+
+    @cached_property
+    def between_arms(self) -> NDArray[np.bool_]:
+        """Which of `pairs` (p,) are of one body that moves with arm1 and one with arm2."""
+        owners, ends = self._bodies.hulls.owners, self.collision.collisionPairs
+        return np.array(
+            [{owners[p.first], owners[p.second]} == set(ARMS) for p in ends], dtype=bool
+        )
 
     def distances(self, q: ArrayLike) -> Array:
         """Return the distance of every pair at q (n,), meshes as convex hulls.

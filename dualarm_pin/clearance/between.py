@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import heapq
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,8 +21,6 @@ from dualarm_pin.tolerance import TOLERANCE
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
 
-Level = Literal["points", "samples", "certified"]
-
 _INNER = 3  # samples inside each line: dips of a line are found to a fraction of their depth
 _SHARP = 5e-4  # m; how near the bound comes to the smallest distance that was seen
 _MOST = 20_000  # distances of single pairs before the certificate is given up: half a second
@@ -34,79 +32,82 @@ class Between:
     """What was found between the points of a path.
 
     Attributes:
-        certified: Every distance was bounded, not only sampled.
         distance: Smallest distance that was seen on the line after each point (h - 1,) [m].
         place: Where on that line, 0 to 1 (h - 1,).
         pairs: Between which bodies.
-        bound: No distance is below this [m]; -inf where nothing was certified.
-        kept: Every pair keeps what is asked of it wherever it was looked at, or bounded.
-        distances: How many distances of single pairs the certificate took.
+        bound: No distance is below this [m]; None where they were sampled only.
     """
 
-    certified: bool
     distance: Array
     place: Array
     pairs: tuple[Pair, ...]
-    bound: float
-    kept: bool
-    distances: int
-
-    @property
-    def level(self) -> Level:
-        """How it was looked at."""
-        return "certified" if self.certified else "samples"
+    bound: float | None
 
     @property
     def least(self) -> float:
         """The smallest distance that was seen [m]."""
         return float(np.min(self.distance))
 
+    @property
+    def line(self) -> int:
+        """After which point, from 0, it was seen."""
+        return int(np.argmin(self.distance))
 
-def between_points(cell: Cell, q: Array, required: Array) -> Between:
-    """Measure and bound the distances on the lines between postures.
+
+class Search:
+    """Looks at the lines between postures, and keeps the smallest and the worst that it sees.
 
     Args:
         cell: The two arms.
         q: Postures (h, n) [rad or m], at least two.
         required: What each of `Cell.pairs` must keep (p,) [m]; -inf leaves a pair out. At least
             one pair is asked for.
+
+    Attributes:
+        points: Distance of each asked pair at each posture (h, a) [m]; meshes as they are where
+            their hulls are too near.
+        asked: Which pairs of the cell these are (a,).
+        worst: What lacks most to what is required: (lack [m], line, place, which of `asked`).
+        distances: How many distances of single pairs the certificate took.
     """
-    return _Search(cell, q, required).run()
 
-
-class _Search:
     def __init__(self, cell: Cell, q: Array, required: Array) -> None:
         self.cell, self.q = cell, q
         self.asked = np.flatnonzero(required > -np.inf)
         self.required = required[self.asked]
         self.goal = np.maximum(self.required - TOLERANCE.clearance, 0.0)
-        self.lines = len(q) - 1
-        self.best = np.full(self.lines, np.inf)
-        self.place = np.zeros(self.lines)
-        self.pair = np.zeros(self.lines, dtype=np.int64)
         self.broken = np.zeros(len(self.asked), dtype=bool)
-        self.count = self.meshes = 0
+        self.worst = (-np.inf, 0, 0.0, 0)
+        self.distances = self._meshes = 0
+        self.points = np.array([self._all(q_i) for q_i in q])
+        for i, k in np.ndindex(*self.points.shape):
+            last = i == len(q) - 1
+            self._judge(i - last, float(last), k, float(self.points[i, k]))
 
-    def run(self) -> Between:
-        at = np.linspace(0.0, 1.0, _INNER + 2)
-        nodes = np.array([[self._all(i, t) for t in at] for i in range(self.lines)])
-        for i, j, k in np.argwhere(nodes < self.required).tolist():
-            nodes[i, j, k] = self._exact(i, float(at[j]), k, float(nodes[i, j, k]))
-        for i, j in np.ndindex(self.lines, len(at)):
+    @property
+    def kept(self) -> bool:
+        """Whether every pair keeps what is asked of it wherever it was looked at, or bounded."""
+        return not self.broken.any()
+
+    def between(self) -> Between:
+        """Sample the lines, then bound what lies between the samples."""
+        lines, at = len(self.q) - 1, np.linspace(0.0, 1.0, _INNER + 2)
+        nodes = np.stack([self.points[:-1]] * len(at), axis=1)
+        nodes[:, -1] = self.points[1:]
+        for i in range(lines):
+            for j in range(1, _INNER + 1):
+                nodes[i, j] = self._all(self._posture(i, at[j]))
+        self.best = np.full(lines, np.inf)
+        self.place, self.pair = np.zeros(lines), np.zeros(lines, dtype=np.int64)
+        for i, j in np.ndindex(lines, len(at)):
             k = int(np.argmin(nodes[i, j]))
             self._seen(i, float(at[j]), k, float(nodes[i, j, k]))
-        self.broken |= ((nodes <= 0.0) | (nodes < self.goal)).any(axis=(0, 1))
-        speed = travel(self.cell, self.q)[:, self.asked]
-        bound = self._halve(nodes, at, speed)
-        return Between(
-            certified=bound is not None,
-            distance=self.best,
-            place=self.place,
-            pairs=tuple(self.cell.pairs[self.asked[k]] for k in self.pair),
-            bound=-np.inf if bound is None else bound,
-            kept=not self.broken.any(),
-            distances=self.count,
-        )
+            if 0 < j <= _INNER:
+                for near in np.flatnonzero(nodes[i, j] < self.required).tolist():
+                    self._judge(i, float(at[j]), near, float(nodes[i, j, near]))
+        bound = self._halve(nodes, at, travel(self.cell, self.q)[:, self.asked])
+        pairs = tuple(self.cell.pairs[self.asked[k]] for k in self.pair)
+        return Between(self.best, self.place, pairs, bound)
 
     def _halve(self, nodes: Array, at: Array, speed: Array) -> float | None:
         """Return the bound of all distances, or None if it takes too long."""
@@ -125,12 +126,12 @@ class _Search:
             if sure and bound >= self.best.min() - _SHARP:
                 proven = min(proven, bound)
                 continue
-            if self.count >= _MOST:
+            if self.distances >= _MOST:
                 return None
             middle, half = t + width / 2.0, width / 2.0
             c = self._one(i, middle, k)
             self._seen(i, middle, k, c)
-            self.broken[k] |= not keeps(c, float(self.required[k]))
+            self._judge(i, middle, k, c)
             for start, one, two in ((t, a, c), (middle, c, b)):
                 low_half = (one + two - float(speed[i, k]) * half) / 2.0
                 heapq.heappush(todo, (low_half, i, k, start, half, one, two))
@@ -140,21 +141,32 @@ class _Search:
         if distance < self.best[i]:
             self.best[i], self.place[i], self.pair[i] = distance, t, k
 
+    def _judge(self, i: int, t: float, k: int, distance: float) -> None:
+        required = float(self.required[k])
+        self.broken[k] |= not keeps(distance, required)
+        if required - distance > self.worst[0]:
+            self.worst = (required - distance, i, t, k)
+
     def _posture(self, i: int, t: float) -> Array:
         posture: Array = (1.0 - t) * self.q[i] + t * self.q[i + 1]
         return posture
 
-    def _all(self, i: int, t: float) -> Array:
-        return self.cell.distances(self._posture(i, t))[self.asked]
+    def _all(self, q: Array) -> Array:
+        """Return the distances of all asked pairs at one posture (a,)."""
+        found = self.cell.distances(q)[self.asked]
+        for k in np.flatnonzero(found < self.required):
+            found[k] = self._exact(q, int(k), float(found[k]))
+        return found
 
     def _one(self, i: int, t: float, k: int) -> float:
-        self.count += 1
-        hulls = self.cell.distance(self._posture(i, t), int(self.asked[k]))
-        return hulls if hulls >= self.required[k] else self._exact(i, t, k, hulls)
+        self.distances += 1
+        q = self._posture(i, t)
+        hulls = self.cell.distance(q, int(self.asked[k]))
+        return hulls if hulls >= self.required[k] else self._exact(q, k, hulls)
 
-    def _exact(self, i: int, t: float, k: int, hulls: float) -> float:
+    def _exact(self, q: Array, k: int, hulls: float) -> float:
         """Return the distance of meshes as they are; that of the hulls is never more."""
-        if self.meshes >= _MESHES:
+        if self._meshes >= _MESHES:
             return hulls
-        self.meshes += 1
-        return self.cell.distance(self._posture(i, t), int(self.asked[k]), exact=True)
+        self._meshes += 1
+        return self.cell.distance(q, int(self.asked[k]), exact=True)

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualarm_pin.answer.evidence import Bound, Evidence
-from dualarm_pin.answer.trajectory import Distances, RowValues, Trajectory
+from dualarm_pin.answer.trajectory import Apart, Distances, RowValues, Trajectory
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
@@ -41,6 +41,8 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
             ("largest index", lambda task, t: _number(t.max_index, units_of(task))),
             ("objective", lambda _, t: _number(t.objective, digits=7)),
             ("smallest clearance", lambda _, t: _clearance(t.checked.clearance)),
+            ("clearance asked for", lambda _, t: _asked(t.checked.apart)),
+            ("between the points", lambda _, t: _between(t.checked.apart)),
             ("arms apart by", lambda _, t: _number(t.arm_clearance, "m")),
             ("largest joint step", lambda _, t: _number(t.max_joint_step, "rad or m")),
             ("bounds violated by", lambda _, t: _number(t.max_bound_violation)),
@@ -112,6 +114,32 @@ def _clearance(clearance: Distances | None) -> str:
     text = _number(clearance.least, "m") + (" IN COLLISION" if clearance.touch else "")
     pair = clearance.closest
     return text if pair is None else f"{text}\n{pair[0]} - {pair[1]}"
+
+
+_LEVELS = {
+    "points": "looked at the points alone",
+    "samples": "sampled between the points, not certified",
+    "certified": "certified between the points",
+}
+
+
+def _asked(apart: Apart | None) -> str:
+    if apart is None:
+        return ""
+    what = "of single pairs" if apart.required is None else _number(apart.required, "m")
+    if apart.kept:
+        return f"{what}: kept, {_LEVELS[apart.level]}"
+    return f"{what}: NOT KEPT\n{apart.worst}"
+
+
+def _between(apart: Apart | None) -> str:
+    if apart is None or apart.between is None:
+        return ""
+    line = int(np.argmin(apart.between))
+    text = f"{_number(apart.least_between, 'm')}, after point {line + 1}"
+    if apart.bound is not None:
+        text += f"\nnowhere below {apart.bound:.4g} m"
+    return f"{text}\n{' - '.join(apart.pairs[line])}"
 
 
 def _constraints(t: Trajectory) -> str:
