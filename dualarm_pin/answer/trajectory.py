@@ -119,7 +119,8 @@ class Apart:
     bound: float | None = None
 
     def __post_init__(self) -> None:
-        lengths = {np.shape(self.between), np.shape(self.place), (len(self.pairs),)}
+        parts = [part for part in (self.between, self.place, self.pairs) if part is not None]
+        lengths = {len(part) for part in parts}
         if self.between is not None and len(lengths) > 1:
             raise ShapeError(
                 f"figures of as many lines are expected; given {lengths}", field="apart"

@@ -107,6 +107,12 @@ class CellGeometry(CellParts):
         return tuple((links[pair.first], links[pair.second]) for pair in ends)
 
     @cached_property
+    def apart_by_nature(self) -> NDArray[np.bool_]:
+        """Which of `pairs` (p,) are not of two bodies that move with the same arm."""
+        owners, ends = self._bodies.hulls.owners, self.collision.collisionPairs
+        return np.array([owners[p.first] != owners[p.second] for p in ends], dtype=bool)
+
+    @cached_property
     def between_arms(self) -> NDArray[np.bool_]:
         """Which of `pairs` (p,) are of one body that moves with arm1 and one with arm2."""
         owners, ends = self._bodies.hulls.owners, self.collision.collisionPairs

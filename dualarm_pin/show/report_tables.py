@@ -31,6 +31,16 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
         filled = [(name, [text(*result) for result in results]) for name, text in lines]
         return [line for line in filled if any(line[1])]
 
+    # Of answers that minimise the same: what a clearance or another bound costs.
+    same = {(task.index.name, task.smoothness, task.path.h) for task, _ in results}
+    found = [t.objective for _, t in results if t.found]
+    least = min(found) if len(results) > 1 and len(same) == 1 and found else None
+
+    def above(_: Task, t: Trajectory) -> str:
+        if least is None or not t.found or least <= 0.0:
+            return ""
+        return f"{100 * (t.objective / least - 1):.3g} %"
+
     return {
         "Result": rows(
             ("found", lambda _, t: "yes" if t.found else "NO"),
@@ -40,6 +50,7 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
             ("mean over arc length", lambda task, t: _number(t.arc_mean_index, units_of(task))),
             ("largest index", lambda task, t: _number(t.max_index, units_of(task))),
             ("objective", lambda _, t: _number(t.objective, digits=7)),
+            ("above the lowest objective", above),
             ("smallest clearance", lambda _, t: _clearance(t.checked.clearance)),
             ("clearance asked for", lambda _, t: _asked(t.checked.apart)),
             ("between the points", lambda _, t: _between(t.checked.apart)),
