@@ -15,7 +15,7 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     """Return a result as a few lines of text."""
     t, near = trajectory, trajectory.checked.clearance
     clearance = (
-        "unknown (meshes are missing)"
+        _unknown(task)
         if near is None
         else f"{near.least:.3f} m" + (" (IN COLLISION)" if near.touch else "")
     )
@@ -39,6 +39,13 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     if t.evidence.sentences:
         lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
     return "\n".join(lines)
+
+
+def _unknown(task: Task) -> str:
+    """Say why no distance is known: a motion that nobody checked must not look like a free one."""
+    missing = task.cell.missing_meshes
+    why = f"{len(missing)} bodies could not be loaded" if missing else "the cell has no two bodies"
+    return f"unknown, nothing was checked for collision: {why}"
 
 
 _LEVELS = {

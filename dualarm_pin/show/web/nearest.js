@@ -1,6 +1,6 @@
-// The two bodies that are nearest: a line between them with its length, and a warning colour on
-// bodies that are nearer than what is asked for. The places come with the page; between two of them
-// the line follows the bodies.
+// The two bodies that are nearest: a line between them with its length; bodies that are nearer than
+// what is asked for turn magenta, the colour of no robot. The places come with the page; between two
+// of them the line follows the bodies.
 DA.Nearest = class {
   constructor(head, run, robot, reach) {
     const T = MeshCat.THREE;
@@ -13,7 +13,7 @@ DA.Nearest = class {
     this.group = new T.Group();
     this.group.add(this.rod, ...this.balls);
     for (const part of this.group.children) part.renderOrder = 6;
-    this.warning = new T.MeshPhongMaterial({ color: "#c62828", specular: 0x2a2a2a, shininess: 38 });
+    this.warning = new T.MeshPhongMaterial({ color: "#e100b4", specular: 0x2a2a2a, shininess: 38 });
   }
 
   // The stored place that is nearest to t, and the distance there or between.
@@ -37,7 +37,7 @@ DA.Nearest = class {
       return x.applyMatrix4(node.matrixWorld).applyMatrix4(back);
     });
     const along = new T.Vector3().subVectors(b, a), length = along.length(), r = 0.004 * this.reach;
-    this.colour.color.set(here.bad ? "#c62828" : "#00838f");
+    this.colour.color.set(here.bad ? "#e100b4" : "#00838f");
     this.rod.visible = length > 1e-9;
     this.rod.position.addVectors(a, b).multiplyScalar(0.5);
     this.rod.scale.set(r, Math.max(length, 1e-6), r);
@@ -46,7 +46,7 @@ DA.Nearest = class {
       ball.position.copy(k ? b : a);
       ball.scale.setScalar(2.4 * r);
     });
-    this.say(`${here.value.toFixed(3)} m`, here.bad ? "#c62828" : "#00838f", this.rod.position);
+    this.say(`${here.value.toFixed(3)} m`, here.bad ? "#e100b4" : "#00838f", this.rod.position);
   }
 
   // A label is a picture: drawn again only when its text changes.

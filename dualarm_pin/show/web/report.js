@@ -45,7 +45,7 @@ DA.report = function (player, head) {
     add(body, { title: run.quantity || "index", unit: run.units, series: series(stored("index")), zero: true });
     const asked = (run.near && run.near.required) || 0;
     add(body, { title: "clearance, all pairs of links", unit: "m", series: series(stored("clearance")), zero: true, floor: 0 });
-    add(body, { title: asked ? `distance of what can be apart; ${asked} m is asked for` : "distance of what can be apart, between the points too", unit: "m", series: series((r) => (r.near ? Array.from(head.array(r.near.distance)) : null)), zero: true, floor: asked });
+    add(body, { title: "nearest of arms, parts and objects" + (asked ? `; ${asked} m is asked for` : ""), unit: "m", series: series((r) => (r.near ? Array.from(head.array(r.near.distance)) : null)), zero: true, floor: asked });
     add(body, { title: "distance between the arms", unit: "m", series: series(stored("between_arms")), zero: true, floor: 0 });
     add(body, { title: "smallest singular value of J_r", unit: "m and rad mixed", series: series(stored("singular_value")), zero: true });
     add(body, { title: "largest joint step", unit: "deg", series: series(steps), zero: true, steps: true });
