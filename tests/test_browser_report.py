@@ -8,10 +8,13 @@ import pytest
 from answers import changed, task
 from browser import opened
 from ns16_pair import motions, pair
+from paper_case import TASK
 from patience import wait_until
 from test_report import results
 
+from dualarm_pin.answer.verify import verified
 from dualarm_pin.show import write_report
+from dualarm_pin.task import Task
 
 pytestmark = pytest.mark.browser
 BAD = '<img src="http://evil.example/x.png">'
@@ -139,4 +142,46 @@ def test_phone_is_one_column(file):
         player = view.page.locator("#player").bounding_box()
         plots = view.page.locator(".charts").bounding_box()
         assert plots["y"] >= player["y"] + player["height"] - 1
+        assert view.complaints == []
+
+
+def test_the_nearest_bodies_are_drawn_where_they_are_and_coloured_where_too_near(tmp_path):
+    """The line ends on the bodies, its length is the distance, and its curve follows the cursor."""
+    asked = Task.load(TASK, ["clearance=0.25"])
+    answer = verified(asked, motions()[0][0], method="m", solver="s")
+    free = replace(asked, clearance=None)
+    results = {
+        "asked": (asked, answer),
+        "off": (free, verified(free, answer.q, method="m", solver="s")),
+    }
+    write_report(tmp_path / "near.html", results)
+    cell, q = asked.cell, answer.q
+    with opened((tmp_path / "near.html").as_uri(), 1440, 900) as view:
+        for i, place in ((4, 0.5), (20, 0.0)):
+            view.do(f"dualarm.seek({(i + place) / 30})")
+            near = view.do("dualarm.nearest()")
+            at = (1 - place) * q[i] + place * q[i + 1]
+            apart = [k for k in range(len(cell.pairs)) if cell.apart_by_nature[k]]
+            seen = cell.distances(at)
+            k = min(apart, key=lambda k: seen[k])
+            assert near["names"] == list(cell.pairs[k])
+            assert near["distance"] == pytest.approx(seen[k], abs=2e-4)
+            ends = view.do(
+                "dualarm.player.on_stage[0].nearest.balls.map((b) => b.position.toArray())"
+            )
+            assert np.linalg.norm(np.subtract(*ends)) == pytest.approx(seen[k], abs=2e-4)
+            short = {b for k in apart if seen[k] < 0.2495 for b in cell.pairs[k]}
+            assert short <= set(near["lacking"])
+            tinted = view.do(
+                "(() => { const v = dualarm.player.on_stage[0], all = v.robot.kinds.visual;"
+                " const bad = all.filter((m) => m.material === v.nearest.warning);"
+                " return [...new Set(bad.map((m) => m.userData.of))]; })()"
+            )
+            assert set(tinted) == set(near["lacking"])
+        title = "nearest of arms, parts and objects; 0.25 m is asked for"
+        assert any(title in text for text in view.page.locator("figcaption").all_inner_texts())
+        view.do("dualarm.select(1)")
+        assert view.do("dualarm.nearest().lacking") == []
+        view.do("dualarm.show('distance', false)")
+        assert not view.do("dualarm.player.on_stage[0].nearest.group.visible")
         assert view.complaints == []

@@ -41,6 +41,18 @@ def cube(side: float) -> bytes:
     return b" " * 80 + np.uint32(12).tobytes() + record.tobytes()
 
 
+def bracket() -> bytes:
+    """Two plates 0.4 m apart as one STL file: its hull fills what lies between."""
+    parts = []
+    for x in (-0.2, 0.2):
+        plate = np.frombuffer(
+            cube(0.2)[84:], [("f0", "<f4", 3), ("f1", "<f4", (3, 3)), ("f2", "<u2")], 12
+        ).copy()
+        parts.append(plate)
+        plate["f1"][:, :, 0] = plate["f1"][:, :, 0] * 0.1 + x
+    return b" " * 80 + np.uint32(24).tobytes() + b"".join(part.tobytes() for part in parts)
+
+
 def write(folder: Path, objects: str) -> Path:
     (folder / "part.stl").write_bytes(cube(100.0))
     (folder / "cell.yaml").write_text(HEAD + objects)

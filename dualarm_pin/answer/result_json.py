@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from pydantic_core import from_json, to_json
 
+from dualarm_pin.answer.apart_json import ApartFile, LinesFile, apart_json, lines_json, read_apart
 from dualarm_pin.answer.evidence import CONDITION, Bound, Count, Evidence, LocalCheck, Number
 from dualarm_pin.answer.notes import NOTES
 from dualarm_pin.answer.provenance import Timing
@@ -58,6 +59,7 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
         "closest_pair": None if clearance is None else clearance.closest,
         "min_arm_clearance": t.arm_clearance,
         "clearance": None if clearance is None else clearance.distance,
+        "clearance_check": apart_json(checked),
         "seed": t.seed,
         "message": t.message,
         "evidence": _evidence(t.evidence),
@@ -73,6 +75,7 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
             "smoothing_error": checked.smoothing_error,
             "clearance_pairs": () if clearance is None else clearance.pairs,
             "arm_clearance_pairs": () if arms is None else arms.pairs,
+            "between": lines_json(checked),
             "constraints": [
                 {**asdict(row), "points": _from_1(row.points), "violation": row.violation}
                 for row in checked.rows
@@ -172,6 +175,7 @@ def read_result_json(text: bytes, q: Array, index: Array, arc_length: Array) -> 
                 for row in points.constraints
             ),
             smoothing_error=points.smoothing_error,
+            apart=read_apart(file.clearance_check, points.between),
         ),
         method=file.method,
         solver=file.solver,
@@ -250,6 +254,7 @@ class _Points(_Spec):
     bound_violation: list[Number] | None = None
     clearance_pairs: tuple[Pair, ...] = ()
     arm_clearance_pairs: tuple[Pair, ...] = ()
+    between: LinesFile | None = None
     constraints: tuple[_Row, ...] = ()
     smoothing_error: Number = 0.0
 
@@ -263,6 +268,7 @@ class _File(_Spec):
     max_rotation_error: Number
     max_bound_violation: Number
     clearance: list[Number] | None = None
+    clearance_check: ApartFile | None = None
     seed: Annotated[int, Field(ge=0, lt=2**128)] | None
     message: str = ""
     evidence: dict[str, Any]

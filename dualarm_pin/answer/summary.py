@@ -15,12 +15,13 @@ def summary(task: Task, trajectory: Trajectory) -> str:
     """Return a result as a few lines of text."""
     t, near = trajectory, trajectory.checked.clearance
     clearance = (
-        "unknown (meshes are missing)"
+        _unknown(task)
         if near is None
         else f"{near.least:.3f} m" + (" (IN COLLISION)" if near.touch else "")
     )
     if t.arm_clearance is not None:
         clearance += f", between the arms {t.arm_clearance:.3f} m"
+    clearance += _between(trajectory)
     units = task.index.units
     lines = [
         f"{'found' if t.found else 'NOT FOUND'} by {t.method} ({t.solver})",
@@ -44,6 +45,32 @@ def _smoothing(trajectory: Trajectory) -> str:
     """Return what to know of the objective, where a smooth index was minimised."""
     error = trajectory.checked.smoothing_error
     return f", of a smooth index {error:.1g} from the true one at most" if error else ""
+
+
+def _unknown(task: Task) -> str:
+    """Say why no distance is known: a motion that nobody checked must not look like a free one."""
+    missing = task.cell.missing_meshes
+    why = f"{len(missing)} bodies could not be loaded" if missing else "the cell has no two bodies"
+    return f"unknown, nothing was checked for collision: {why}"
+
+
+_LEVELS = {
+    "points": "looked at the points alone",
+    "samples": "sampled, not certified",
+    "certified": "certified",
+}
+
+
+def _between(trajectory: Trajectory) -> str:
+    """Return what is asked of the distances and what they are between the points."""
+    apart = trajectory.checked.apart
+    if apart is None:
+        return ""
+    text, least = "", apart.least_between
+    if least is not None:
+        text = f"; between the points {least:.3f} m"
+    text += f" ({_LEVELS[apart.level]})"
+    return text if apart.kept else f"{text}\n{' ' * 13}NOT KEPT: {apart.worst}"
 
 
 def _rows(trajectory: Trajectory) -> list[str]:

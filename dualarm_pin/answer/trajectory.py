@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -93,6 +93,46 @@ class RowValues:
 
 
 @dataclass(frozen=True, eq=False)
+class Apart:
+    """What the clearance rule of a task comes to on a motion.
+
+    Attributes:
+        required: What is asked of every pair [m]; None where single pairs alone are asked about.
+        level: How far it was looked: at the points, at samples between them, or everywhere by a
+            certificate.
+        kept: Every pair keeps what is asked of it, as far as that.
+        worst: Where least is left of what is asked, or most lacks, as a sentence.
+        between: Smallest distance that was seen on the line in the joints after each point
+            (h - 1,) [m]; None at the level of points.
+        place: Where on that line, 0 to 1 (h - 1,).
+        pairs: Between which bodies.
+        bound: No distance of the motion is below this [m]; None without a certificate.
+    """
+
+    required: float | None
+    level: Literal["points", "samples", "certified"]
+    kept: bool
+    worst: str
+    between: Array | None = None
+    place: Array | None = None
+    pairs: tuple[Pair, ...] = ()
+    bound: float | None = None
+
+    def __post_init__(self) -> None:
+        parts = [part for part in (self.between, self.place, self.pairs) if part is not None]
+        lengths = {len(part) for part in parts}
+        if self.between is not None and len(lengths) > 1:
+            raise ShapeError(
+                f"figures of as many lines are expected; given {lengths}", field="apart"
+            )
+
+    @property
+    def least_between(self) -> float | None:
+        """The smallest distance that was seen between the points [m]."""
+        return None if self.between is None else float(np.min(self.between))
+
+
+@dataclass(frozen=True, eq=False)
 class Checked:
     """What the joints of a path come to, point by point, as `verify` computed it with Pinocchio.
 
@@ -111,6 +151,8 @@ class Checked:
         rows: What the rows of the task come to.
         smoothing_error: Largest distance of `index` from a smooth index that was minimised in its
             place, 0 where it was minimised itself [unit of the index].
+        apart: What the clearance rule of the task comes to; `clearance` and `arm_clearance` are
+            then of the pairs that it asks about. None without one.
     """
 
     index: Array
@@ -124,6 +166,7 @@ class Checked:
     found: bool
     rows: tuple[RowValues, ...] = ()
     smoothing_error: float = 0.0
+    apart: Apart | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -169,7 +212,9 @@ class Trajectory:
         finite(self.q, "q", (h, len(self.joints)))
         finite(self.arc_length, "arc_length", (h,))
         for name, value in vars(self.checked).items():
-            if name == "rows":
+            if name == "apart" and value is not None and value.between is not None:
+                finite(value.between, "between", (h - 1,))
+            if name in ("rows", "apart"):
                 continue
             array = value.distance if isinstance(value, Distances) else value
             if np.ndim(array) > 0 and np.shape(array) != (h,):

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from dualarm_pin.answer.apart import check_apart
 from dualarm_pin.answer.evidence import Evidence
 from dualarm_pin.answer.provenance import Timing, versions
 from dualarm_pin.answer.trajectory import Checked, Distances, RowValues, Trajectory
@@ -94,8 +95,12 @@ def verify(
     if not np.all(np.isfinite(q)):
         point = int(np.argmin(np.isfinite(q).all(axis=1))) + 1
         raise InputError(f"the joints of point {point} are not finite", field="q")
-    everywhere = distances_along(task, q) if clearance else None
-    arms = distances_along(task, q, between_arms=True) if clearance else None
+    everywhere, arms, apart = None, None, None
+    measured = check_apart(task, q) if clearance else None
+    if measured is not None:
+        apart, everywhere, arms = measured
+    elif clearance:
+        everywhere, arms = (distances_along(task, q, between_arms=b) for b in (False, True))
     bounds = (cell.lower, cell.upper)
     figures = np.zeros((5, path.h))
     for i, q_i in enumerate(q):
@@ -131,6 +136,7 @@ def verify(
         and all(row.violation <= tolerance.row for row in rows),
         rows=tuple(rows),
         smoothing_error=float(np.max(np.abs(minimised - index), initial=0.0)),
+        apart=apart,
     )
 
 

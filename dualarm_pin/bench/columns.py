@@ -145,6 +145,14 @@ COLUMNS: tuple[Column, ...] = (
         ],
     ),
     Column("min_clearance", shown=[Shown("clearance [m]", "best", ".3f", lambda v: v <= 0.0)]),
+    *(
+        Column(f"clearance_check.{name}")
+        for name in ("required", "level", "kept", "smallest_at_points", "bound")
+    ),
+    Column(
+        "clearance_check.smallest_between_points",
+        shown=[Shown("clearance between points [m]", "best", ".3f", lambda v: v <= 0.0)],
+    ),
     Column("max_joint_step", shown=[Shown("joint step", "best", ".3f")]),
     Column("timing.wall_s", shown=[Shown("time, median [s]", "typical", ".3g")]),
     *(Column(f"timing.{name}") for name in ("cpu_s", "compile_s")),

@@ -69,6 +69,8 @@ class Fingerprints:
             arm: {k: (entry or {}).get(k) for k in _NAMES_FILES}
             for arm, entry in data["arms"].items()
         }
+        things = data.get("objects") or {}
+        naming["meshes"] = {name: thing.get("mesh") for name, thing in things.items()}
         key = digest([str(cell.path), naming])
         if key not in self._robots:
             self._robots[key] = _read_robots(cell, keys)
@@ -81,7 +83,7 @@ def _at(cell: Source, keys: Sequence[Key]) -> Any:
 
 
 def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
-    """Return the sha256 of URDFs, SRDFs and collision meshes."""
+    """Return the sha256 of URDFs, SRDFs and collision meshes, those of objects among them."""
     loaded = Cell.from_source(cell, keys)
     found = {s.path: s.sha256 for s in loaded.sources if s.path != cell.path.resolve()}
     folder = cell.path.resolve().parent
@@ -93,6 +95,9 @@ def _read_robots(cell: Source, keys: Sequence[Key]) -> dict[Path, str]:
             except DualArmError:  # missing meshes leave the clearance unknown, no more
                 continue
             found[path] = file_digest(path)
+    for thing in loaded.objects:
+        if thing.shape.file:
+            found[Path(thing.shape.file)] = file_digest(Path(thing.shape.file))
     return found
 
 

@@ -56,15 +56,17 @@ def all_distances(
 def measured(
     model: pin.Model,
     hulls: Bodies,
-    meshes: Bodies,
     q: NDArray[np.float64],
     scratch: Scratch,
     pair: int,
+    meshes: Bodies | None = None,
 ) -> float:
-    """Return the distance of one pair at Pinocchio's q (nv,), with the meshes as they are."""
+    """Return the distance of one pair at Pinocchio's q (nv,); `meshes` to compare them exactly."""
     scene = _scene_of(hulls, scratch, between_arms=False)[0]
     pin.updateGeometryPlacements(model, scratch["data"], hulls.model, scene, q)
-    bound = pin.computeDistance(hulls.model, scene, pair).min_distance
+    bound = float(pin.computeDistance(hulls.model, scene, pair).min_distance)
+    if meshes is None:
+        return bound
     return _exact(meshes, _placed(model, meshes, scratch), pair, bound)
 
 

@@ -15,7 +15,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.cell.assemble import CellParts
 from dualarm_pin.cell.bodies import CellBodies
 from dualarm_pin.cell.clearance import all_distances, measured, placed, smallest
-from dualarm_pin.cell.parts import Clearance, Pair
+from dualarm_pin.cell.parts import ARMS, Clearance, Pair
 from dualarm_pin.errors import ShapeError
 
 
@@ -106,6 +106,20 @@ class CellGeometry(CellParts):
         links, ends = self._bodies.hulls.links, self.collision.collisionPairs
         return tuple((links[pair.first], links[pair.second]) for pair in ends)
 
+    @cached_property
+    def apart_by_nature(self) -> NDArray[np.bool_]:
+        """Which of `pairs` (p,) are not of two bodies that move with the same arm."""
+        owners, ends = self._bodies.hulls.owners, self.collision.collisionPairs
+        return np.array([owners[p.first] != owners[p.second] for p in ends], dtype=bool)
+
+    @cached_property
+    def between_arms(self) -> NDArray[np.bool_]:
+        """Which of `pairs` (p,) are of one body that moves with arm1 and one with arm2."""
+        owners, ends = self._bodies.hulls.owners, self.collision.collisionPairs
+        return np.array(
+            [{owners[p.first], owners[p.second]} == set(ARMS) for p in ends], dtype=bool
+        )
+
     def distances(self, q: ArrayLike) -> Array:
         """Return the distance of every pair at q (n,), meshes as convex hulls.
 
@@ -117,16 +131,20 @@ class CellGeometry(CellParts):
         """
         return all_distances(self.model, self._bodies.hulls, self.model_q(q), scratch_of(self))
 
-    def distance(self, q: ArrayLike, pair: int) -> float:
-        """Return the distance [m] of one pair at q (n,), with the meshes as they are.
+    def distance(self, q: ArrayLike, pair: int, *, exact: bool = False) -> float:
+        """Return the distance [m] of one pair at q (n,), meshes as convex hulls by default.
+
+        Args:
+            q: Joints (n,) [rad or m].
+            pair: Which of `pairs`.
+            exact: With the meshes as they are.
 
         Raises:
             ShapeError: q does not have n values.
         """
         bodies = self._bodies
-        return measured(
-            self.model, bodies.hulls, bodies.meshes, self.model_q(q), scratch_of(self), pair
-        )
+        meshes = bodies.meshes if exact else None
+        return measured(self.model, bodies.hulls, self.model_q(q), scratch_of(self), pair, meshes)
 
     def distance_placed(
         self, pair: int, first: pin.SE3, second: pin.SE3, *, exact: bool = False

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from types import MappingProxyType
@@ -10,6 +9,7 @@ from typing import Any
 
 from dualarm_pin.cell.parts import Pair
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
+from dualarm_pin.files.numbers import LARGEST
 from dualarm_pin.tolerance import TOLERANCE
 
 
@@ -93,11 +93,7 @@ def checked_distance(value: Any, place: str | None = None) -> float:
     Raises:
         InputError: It is not a number, not finite or negative.
     """
-    if (
-        isinstance(value, bool)
-        or not isinstance(value, int | float)
-        or not (math.isfinite(value) and value >= 0.0)
-    ):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0.0 <= value <= LARGEST:
         message = f"a distance in metres, 0 or more, or off is expected; given {value!r}"
         raise InputError(message, field=place)
     return float(value)

@@ -2,8 +2,8 @@
 
 The picture is meshcat's viewer (three.js); the motion is our own script, which turns every joint by
 the joint angles themselves. So links hold together between the path points too: the poses are
-those of Pinocchio at linearly interpolated q. What is drawn is what stands in the answer: nothing
-is computed again here.
+those of Pinocchio at linearly interpolated q. Figures are those that stand in the answer: none is
+computed again here. Only where the nearest two bodies are is found anew, for the picture.
 """
 
 from dualarm_pin.show.live import serve, serving

@@ -13,7 +13,9 @@ from dualarm_pin.errors import MissingFileError
 from dualarm_pin.show.packing import squeeze
 
 _WEB = Path(__file__).with_name("web")
-_PLAYER = [f"{part}.js" for part in "core robot marks view stage chart player panel".split()]
+_PLAYER = [
+    f"{part}.js" for part in "core robot marks nearest view stage chart player panel".split()
+]
 
 
 def render_page(

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 LAYOUTS = ("one", "overlay", "side")
-SWITCHES = "visual collision path frames direction force velocity ghosts hold".split()
+SWITCHES = "visual collision path frames direction force velocity distance ghosts hold".split()
 """What can be shown or hidden, as in web/player.js."""
 _LEAST_HEIGHT = 100  # pixels; below it the controls cover the robots
 

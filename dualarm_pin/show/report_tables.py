@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualarm_pin.answer.evidence import Bound, Evidence
-from dualarm_pin.answer.trajectory import Distances, RowValues, Trajectory
+from dualarm_pin.answer.trajectory import Apart, Distances, RowValues, Trajectory
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
@@ -31,6 +31,16 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
         filled = [(name, [text(*result) for result in results]) for name, text in lines]
         return [line for line in filled if any(line[1])]
 
+    # Of answers that minimise the same: what a clearance or another bound costs.
+    same = {(task.index.name, task.smoothness, task.path.h) for task, _ in results}
+    found = [t.objective for _, t in results if t.found]
+    least = min(found) if len(results) > 1 and len(same) == 1 and found else None
+
+    def above(_: Task, t: Trajectory) -> str:
+        if least is None or not t.found or least <= 0.0:
+            return ""
+        return f"{100 * (t.objective / least - 1):.3g} %"
+
     return {
         "Result": rows(
             ("found", lambda _, t: "yes" if t.found else "NO"),
@@ -40,7 +50,10 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
             ("mean over arc length", lambda task, t: _number(t.arc_mean_index, units_of(task))),
             ("largest index", lambda task, t: _number(t.max_index, units_of(task))),
             ("objective", lambda _, t: _number(t.objective, digits=7)),
+            ("above the lowest objective", above),
             ("smallest clearance", lambda _, t: _clearance(t.checked.clearance)),
+            ("clearance asked for", lambda _, t: _asked(t.checked.apart)),
+            ("between the points", lambda _, t: _between(t.checked.apart)),
             ("arms apart by", lambda _, t: _number(t.arm_clearance, "m")),
             ("largest joint step", lambda _, t: _number(t.max_joint_step, "rad or m")),
             ("bounds violated by", lambda _, t: _number(t.max_bound_violation)),
@@ -112,6 +125,32 @@ def _clearance(clearance: Distances | None) -> str:
     text = _number(clearance.least, "m") + (" IN COLLISION" if clearance.touch else "")
     pair = clearance.closest
     return text if pair is None else f"{text}\n{pair[0]} - {pair[1]}"
+
+
+_LEVELS = {
+    "points": "looked at the points alone",
+    "samples": "sampled between the points, not certified",
+    "certified": "certified between the points",
+}
+
+
+def _asked(apart: Apart | None) -> str:
+    if apart is None:
+        return ""
+    what = "of single pairs" if apart.required is None else _number(apart.required, "m")
+    if apart.kept:
+        return f"{what}: kept, {_LEVELS[apart.level]}"
+    return f"{what}: NOT KEPT\n{apart.worst}"
+
+
+def _between(apart: Apart | None) -> str:
+    if apart is None or apart.between is None:
+        return ""
+    line = int(np.argmin(apart.between))
+    text = f"{_number(apart.least_between, 'm')}, after point {line + 1}"
+    if apart.bound is not None:
+        text += f"\nnowhere below {apart.bound:.4g} m"
+    return f"{text}\n{' - '.join(apart.pairs[line])}"
 
 
 def _constraints(t: Trajectory) -> str:

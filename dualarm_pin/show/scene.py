@@ -11,6 +11,8 @@ import pinocchio as pin
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
+from dualarm_pin.clearance.asked import asked_of
+from dualarm_pin.clearance.nearest import nearest_along
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.meshes.triangles import triangles_of
 from dualarm_pin.path import Path
@@ -52,7 +54,9 @@ class Scene:
         Raises:
             ShapeError: The answer does not fit the cell or the path.
         """
-        return self.add_motion(label, task.cell, task.path, trajectory.q, trajectory.index)
+        run = self.add_motion(label, task.cell, task.path, trajectory.q, trajectory.index)
+        run["near"] = self._near(task, trajectory)
+        return run
 
     def add_motion(
         self, label: str, cell: Cell, path: Path, q: Array, index: Array
@@ -76,6 +80,35 @@ class Scene:
         }
         self.head["runs"].append(described)
         return described
+
+    def _near(self, task: Task, trajectory: Trajectory) -> dict[str, Any] | None:
+        """Return what is nearest along the motion; None where no two bodies can be compared."""
+        cell, asked = task.cell, asked_of(task)
+        if cell.missing_meshes or trajectory.checked.clearance is None or len(trajectory.q) < 2:
+            return None
+        required = asked.required if asked.any else np.zeros(len(cell.pairs))
+        found = nearest_along(cell, trajectory.q, required)
+        if found is None:
+            return None
+        numbers, which = np.unique(found.pair, return_inverse=True)
+        bodies, ends = cell.collision.geometryObjects, cell.collision.collisionPairs
+        return {
+            "required": task.clearance.distance if task.clearance and asked.any else None,
+            "distance": self.blob.add(found.distance),
+            "first": self.blob.add(found.first),
+            "second": self.blob.add(found.second),
+            "which": which.tolist(),
+            "pairs": [
+                {
+                    "names": list(cell.pairs[k]),
+                    "joints": [
+                        int(bodies[each].parentJoint) for each in (ends[k].first, ends[k].second)
+                    ],
+                }
+                for k in map(int, numbers)
+            ],
+            "lacking": [list(bodies) for bodies in found.lacking] if asked.any else [],
+        }
 
     def pack(self) -> bytes:
         """Return everything as the bytes that the script unpacks."""
@@ -112,7 +145,7 @@ class Scene:
             "e2": _placed("e2", e2.parentJoint, e2.placement),
             "bodies": [
                 _placed(item.name, item.parentJoint, item.placement)
-                | {"mesh": mesh, "kind": kind, "colour": _colour(item)}
+                | {"mesh": mesh, "kind": kind, "colour": _colour(item), "of": _body_name(item)}
                 for kind, geometry in (("visual", cell.visual), ("collision", cell.collision))
                 for item in geometry.geometryObjects
                 if (mesh := self._mesh(item, kind)) is not None
@@ -164,6 +197,12 @@ def _joints(cell: Cell) -> list[dict[str, Any]]:
 def _placed(name: str, joint: int, placement: pin.SE3) -> dict[str, Any]:
     p, r = np.split(pin.SE3ToXYZQUAT(placement), [3])  # quaternion x, y, z, w
     return {"name": name, "joint": int(joint), "p": p.tolist(), "r": r.tolist()}
+
+
+def _body_name(item: pin.GeometryObject) -> str:
+    """Return the link or object that a shape belongs to: shapes of links are numbered."""
+    name = str(item.name)
+    return name.rsplit("_", 1)[0] if "/" in name else name
 
 
 def _colour(item: pin.GeometryObject) -> list[float]:

@@ -35,7 +35,7 @@ _LIMITATIONS = (
     "as far as the search of its pieces went.",
     "Times are wall times of the methods themselves on the machines below, each with one thread; "
     "loading, compiling and the checks of the harness are not in them.",
-    "Clearance is checked at the points of the path, not between them; methods do not plan for it.",
+    "Distances are those at the points of the path, and between them where a clearance is asked.",
 )
 
 

@@ -100,7 +100,11 @@ DA.Chart = class {
   // Points stand at their x (arc length or number), so curves bend where the path does.
   x01(i, count) {
     const xs = this.spec.x.values;
-    if (xs.length !== count) return count > 1 ? i / (count - 1) : 0;
+    if (xs.length !== count) {
+      // Values between the points stand between them.
+      const at = count > 1 ? (i / (count - 1)) * (xs.length - 1) : 0, k = Math.min(Math.floor(at), xs.length - 2);
+      return (xs[k] + (at - k) * (xs[k + 1] - xs[k]) - xs[0]) / (xs[xs.length - 1] - xs[0] || 1);
+    }
     return (xs[i] - xs[0]) / (xs[count - 1] - xs[0] || 1);
   }
 

@@ -45,6 +45,7 @@ Object.assign(DA.Player.prototype, {
         box("direction", "direction u", "the direction in which the index counts"),
         box("force", "force ellipsoid", "inverse of J_r J_r^T, linear part: forces that unit joint torques balance"),
         box("velocity", "velocity ellipsoid", "J_r J_r^T, linear part: speeds that unit joint speeds reach"),
+        head.runs.some((run) => run.near) ? box("distance", "nearest bodies", "the two bodies that are nearest; magenta where they are nearer than what is asked for") : null,
         box("ghosts", "first (blue), last (orange)"), box("hold", "hold e1 still", "ride on the first tool: the motion as e1 sees it")),
       this.scaleNote = n("p", { class: "note", hidden: true }),
       n("h2", {}, "Camera"), views,

@@ -11,7 +11,7 @@ DA.Player = class {
     this.active = 0;
     this.chosen = new Set([0]);
     this.mode = "one";
-    this.show = { visual: true, collision: false, path: true, frames: true, force: false, velocity: false, direction: true, ghosts: false, hold: false };
+    this.show = { visual: true, collision: false, path: true, frames: true, force: false, velocity: false, direction: true, ghosts: false, hold: false, distance: true };
     this.views = new Map();
     this.build();
     this.start();
@@ -198,6 +198,11 @@ DA.Player = class {
   say() {
     const view = this.on_stage[0], at = this.t * (view.h - 1), s = this.head.array(view.path.arc_length);
     const items = [["index", DA.number(DA.between(view.index, 1, at)[0])], ["point", `${(at + 1).toFixed(1)} / ${view.h}`], ["arc length", `${DA.between(s, 1, at)[0].toFixed(3)} m`]];
+    if (view.nearest) {
+      const near = view.nearest.at(this.t);
+      items.push(["nearest", `${near.value.toFixed(3)} m`]);
+      this.readout.title = near.pair.names.join(" – ");
+    }
     this.readout.replaceChildren(DA.h("b", {}, DA.h("i", { style: `background:${DA.colour(this.active)}` }), this.run.label), ...items.map(([k, v]) => DA.h("span", {}, `${k} `, DA.h("em", {}, v))));
   }
 

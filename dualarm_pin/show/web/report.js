@@ -43,7 +43,9 @@ DA.report = function (player, head) {
     host.querySelector(".charts")?.remove();
     card.after(body);
     add(body, { title: run.quantity || "index", unit: run.units, series: series(stored("index")), zero: true });
+    const asked = (run.near && run.near.required) || 0;
     add(body, { title: "clearance, all pairs of links", unit: "m", series: series(stored("clearance")), zero: true, floor: 0 });
+    add(body, { title: "nearest of arms, parts and objects" + (asked ? `; ${asked} m is asked for` : ""), unit: "m", series: series((r) => (r.near ? Array.from(head.array(r.near.distance)) : null)), zero: true, floor: asked });
     add(body, { title: "distance between the arms", unit: "m", series: series(stored("between_arms")), zero: true, floor: 0 });
     add(body, { title: "smallest singular value of J_r", unit: "m and rad mixed", series: series(stored("singular_value")), zero: true });
     add(body, { title: "largest joint step", unit: "deg", series: series(steps), zero: true, steps: true });
@@ -81,11 +83,11 @@ DA.report = function (player, head) {
 
   // What one wants to know first, for the chosen result.
   const rows = new Map(head.results.flatMap((s) => s.rows));
-  const first = ["found", "mean index", "largest index", "objective", "smallest clearance", "arms apart by", "largest joint step", "gap to it", "verdict", "in words"];
+  const first = ["found", "mean index", "largest index", "objective", "smallest clearance", "clearance asked for", "between the points", "above the lowest objective", "arms apart by", "largest joint step", "gap to it", "verdict", "in words"];
   const card = n("dl", { class: "card" });
   const fill = () => card.replaceChildren(...first.filter((name) => rows.has(name) && rows.get(name)[player.active]).map((name) => {
     const text = rows.get(name)[player.active].split("\n")[0];
-    return n("div", { class: (text === "NO" || text.includes("COLLISION") ? "bad" : "") + (["verdict", "in words"].includes(name) ? " full" : "") }, n("dt", {}, name), n("dd", {}, text));
+    return n("div", { class: (text === "NO" || text.includes("COLLISION") || text.includes("NOT KEPT") ? "bad" : "") + (["verdict", "in words"].includes(name) ? " full" : "") }, n("dt", {}, name), n("dd", {}, text));
   }));
 
   host.append(legend, card, ...head.results.filter((s) => s.rows.length).map(table));

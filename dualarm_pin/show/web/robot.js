@@ -72,6 +72,7 @@ DA.Robot = class {
       mesh.receiveShadow = mesh.castShadow;
       mesh.renderOrder = look.tint ? 2 : body.kind === "collision" ? 1 : 0;
       mesh.visible = body.kind === "visual";
+      mesh.userData.of = body.of;
       of(body.joint).add(mesh);
       this.kinds[body.kind].push(mesh);
     }

@@ -7,9 +7,10 @@
 //   play() pause() speed(x)
 //   select(k)      show run k
 //   layout(mode)   "one", "overlay" or "side"; compare(k, on) chooses the others
-//   show(name, on) visual collision path frames direction force velocity ghosts hold
+//   show(name, on) visual collision path frames direction force velocity distance ghosts hold
 //   look(view)     corner front side top close
 //   linkPose(name) {position: [x, y, z] m, quaternion: [x, y, z, w]} in the world of the cell
+//   nearest()      {names, distance [m], lacking}: the nearest bodies here, those too near
 //   index()        index at this place, interpolated
 window.dualarm = {};
 window.dualarm.ready = (async () => {
@@ -38,6 +39,10 @@ window.dualarm.ready = (async () => {
     show: (name, on) => player.toggleShow(name, on),
     look: (view) => player.look(view),
     linkPose: (name) => player.on_stage[0].robot.linkPose(name),
+    nearest: () => {
+      const near = player.on_stage[0].nearest && player.on_stage[0].nearest.at(player.t);
+      return near && { names: near.pair.names, distance: near.value, lacking: near.lacking };
+    },
     index: () => DA.between(player.on_stage[0].index, 1, player.t * (player.on_stage[0].h - 1))[0],
     player,
   });

@@ -37,6 +37,8 @@ DA.View = class {
     this.e1().add(path[0], frames[0], force[0], velocity[0], direction[0]);
     this.robot.frames.get("e2").add(frames[1]);
     this.group.add(...ghosts);
+    this.nearest = run.near ? new DA.Nearest(head, run, this.robot, reach) : null;
+    if (this.nearest) this.group.add(this.nearest.group);
   }
 
   e1() {
@@ -71,6 +73,7 @@ DA.View = class {
     const T = MeshCat.THREE;
     for (const [name, list] of Object.entries(this.marks)) for (const item of list) item.visible = Boolean(show[name]);
     for (const kind of ["visual", "collision"]) this.robot.show(kind, show[kind]);
+    if (this.nearest) this.nearest.update(t, show.distance);
     const tip = new T.Vector3().setFromMatrixPosition(this.robot.frames.get("e2").matrixWorld);
     tip.applyMatrix4(this.e1().matrixWorld.clone().invert());
     const { force, velocity, direction } = this.marks;
