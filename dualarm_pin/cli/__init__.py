@@ -26,7 +26,7 @@ app = cyclopts.App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
-for _name in ("paper", "check", "solve", "motion", "view", "bench", "explain"):
+for _name in ("paper", "check", "solve", "motion", "view", "bench", "explain", "new"):
     app.command(f"dualarm_pin.cli.{_name}:{_name}", name=_name)
 
 
