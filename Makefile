@@ -4,7 +4,8 @@ PYTHON ?= $(shell command -v python3.11 || command -v python3)
 VENV := .venv
 BIN := $(VENV)/bin
 OUT ?= paper
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+# -qq: errors alone; what is installed stands in the locks.
+INSTALL := @$(BIN)/python -m pip install -qq --progress-bar off --disable-pip-version-check
 
 .PHONY: paper test lint notebooks benchmark lock clean
 .DELETE_ON_ERROR:
@@ -29,10 +30,11 @@ benchmark: $(VENV)/.dev
 	$(BIN)/python benchmarks/solvers.py
 
 $(BIN)/python:
-	$(PYTHON) -m venv $(VENV)
+	@$(PYTHON) -m venv $(VENV)
 
 # The package itself is installed editable; a changed lock or pyproject.toml installs again.
 $(VENV)/.core: requirements/core.txt pyproject.toml | $(BIN)/python
+	@echo "installing packages into $(VENV), once: some minutes"
 	$(INSTALL) --require-hashes -r requirements/core.txt
 	$(INSTALL) --no-deps --no-build-isolation --editable .
 	@touch $@

@@ -13,6 +13,7 @@ from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import INDICES, force
 from dualarm_pin.path.paths import corner
+from dualarm_pin.planners.two_stage import plan_two_stage
 from dualarm_pin.task import Task
 
 
@@ -99,10 +100,17 @@ def test_a_task_in_python_checks_its_parts(cell: Cell) -> None:
     path = corner(points=(3, 1, 3), rotation=np.diag([1.0, -1.0, -1.0]))
     assert Task(cell, path).Gamma[0] == 0
     with pytest.raises(InputError, match="increasing points from 1 to 7"):
-        Task(cell, path, Gamma=(0, 3))
+        plan_two_stage(Task(cell, path, Gamma=(0, 3)))
     with pytest.raises(ShapeError, match="each of 12 joints"):
         Task(cell, path, force(joint_weights=np.ones(3)))
     with pytest.raises(ShapeError, match="each of 12 joints"):
         Task(cell, path, metric=np.ones(3))
     with pytest.raises(InputError, match="made in Python"):
         Task(cell, path).as_yaml()
+
+
+def test_the_section_of_a_method_binds_that_method_alone() -> None:
+    task = Task.load(TASK, ["path.corner.points=301"])  # the file names 31 points for two-stage
+    assert task.path.h == 301
+    with pytest.raises(InputError, match=r"two_stage\.Gamma: .*increasing points from 1 to 301"):
+        plan_two_stage(task, starts=1)

@@ -60,7 +60,7 @@ class PlacementSpec(Spec):
     Attributes:
         xyz: Position [m], such as `[1.3, 0, 0]`.
         rpy: Roll, pitch and yaw about the fixed axes [rad], such as `[0, 0, 3.14159]`.
-        rpy_deg: The same [deg], such as `[0, 0, 180]`.
+        rpy_deg: Roll, pitch and yaw about the fixed axes [deg], such as `[0, 0, 180]`.
         rotation: Rotation matrix as three rows, such as `[[0, -1, 0], [1, 0, 0], [0, 0, 1]]`.
     """
 
@@ -97,16 +97,17 @@ class JointSettings(Spec):
 
     Attributes:
         limits: Lower and upper bound by joint [rad or m], such as `{slide: [0, 0.2]}`.
-        limits_deg: The same in degrees [deg], such as `{joint_1: [-60, 60]}`.
+        limits_deg: Lower and upper bound by revolute joint [deg], such as `{joint_1: [-60, 60]}`.
         velocity: Largest speed by joint [rad/s or m/s], such as `{joint_1: 2.0}`.
-        velocity_deg: The same in degrees [deg/s], such as `{joint_1: 120}`.
+        velocity_deg: Largest speed by revolute joint [deg/s], such as `{joint_1: 120}`.
         acceleration: Largest acceleration by joint [rad/s^2 or m/s^2], such as `{joint_1: 8.0}`.
-        acceleration_deg_s2: The same in degrees [deg/s^2], such as `{joint_1: 400}`.
+        acceleration_deg_s2: Largest acceleration by revolute joint [deg/s^2], such as
+            `{joint_1: 400}`.
         jerk: Largest jerk by joint [rad/s^3 or m/s^3], such as `{joint_1: 80.0}`.
-        jerk_deg_s3: The same in degrees [deg/s^3], such as `{joint_1: 4000}`.
+        jerk_deg_s3: Largest jerk by revolute joint [deg/s^3], such as `{joint_1: 4000}`.
         torque: Largest torque or force by joint [N m or N], such as `{joint_1: 300}`.
         lock: Value of joints that stand still [rad or m], such as `{head_pan: 0.0}`.
-        lock_deg: The same in degrees [deg], such as `{head_pan: 30}`.
+        lock_deg: Value of revolute joints that stand still [deg], such as `{head_pan: 30}`.
     """
 
     limits: Annotated[dict[str, Bounds], WithJsonSchema(_LIMITS)] = Field(default_factory=dict)

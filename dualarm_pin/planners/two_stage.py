@@ -78,6 +78,7 @@ def plan_two_stage(
     """
     clock = Clock.start()
     with nullcontext(workers) if workers is not None else Workers(jobs) as pool:
+        task.check_first_stage()
         problem, Gamma = task.problem(), task.Gamma
         stages = _Stages(task, problem, solver, inner, seed, pool, progress)
         found = stages.first(starts)

@@ -98,12 +98,6 @@ class Task:
             self.clearance.check_names(self.cell.body_names)
         if not self.Gamma:
             object.__setattr__(self, "Gamma", choose_Gamma(self.path, min(6, h)))
-        elif (self.Gamma[0], self.Gamma[-1]) != (0, h - 1) or np.any(np.diff(self.Gamma) < 1):
-            raise InputError(
-                f"expected increasing points from 1 to {h}, both among them; "
-                f"given {[point + 1 for point in self.Gamma]}",
-                field="two_stage.Gamma",
-            )
 
     @classmethod
     def load(
@@ -123,6 +117,20 @@ class Task:
         source, parts = parts_of_task(file, overrides, allow_code=allow_code)
         with source.blamed():
             return cls(**parts)
+
+    def check_first_stage(self) -> None:
+        """Refuse points of the first stage that are not on the path; other methods need none.
+
+        Raises:
+            InputError: They do not rise from the first to the last point.
+        """
+        h = self.path.h
+        if (self.Gamma[0], self.Gamma[-1]) != (0, h - 1) or np.any(np.diff(self.Gamma) < 1):
+            raise InputError(
+                f"expected increasing points from 1 to {h}, both among them; "
+                f"given {[point + 1 for point in self.Gamma]}",
+                field="two_stage.Gamma",
+            )
 
     def problem(self) -> Problem:
         """Return the problem over all points of the path (eq. 19)."""

@@ -47,6 +47,8 @@ def ensure_compiled(notify: Callable[[str], None] | None = None) -> CompileRepor
         with event.install_listener("numba:compile", listener):
             _smallest_solve()
     seconds = time.perf_counter() - start
+    if listener.heard and notify is not None:
+        notify(f"compiled in {seconds:.0f} s; from now on it is read from the disk")
     return CompileReport(seconds, not listener.heard, str(entries.solve_items.stats.cache_path))
 
 
