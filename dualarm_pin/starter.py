@@ -33,6 +33,7 @@ from dualarm_pin.task import Task
 
 # Words in the names of links that carry a tool, the surest first.
 _TIPS = ("tcp", "tool0", "tool", "flange", "tip", "ee", "hand", "gripper")
+_FINGERS = ("finger", "knuckle", "thumb", "jaw", "pad")
 _APART = 0.6  # of the reach of both arms: they meet in the middle with the elbows bent
 _RADIUS = 0.03  # of the mean reach: a small circle, so that most arms follow it
 _POINTS = 25  # of the circle
@@ -104,30 +105,28 @@ def start_from(urdfs: Sequence[str], folder: Path) -> Starter:
 def likely_tip(robot: Robot) -> str:
     """Return the link that most likely carries the tool.
 
-    Of the links at the end of the longest chains it is the one whose name says so; a finger, which
-    moves by itself behind the last joint of the arm, does not count.
+    Of the links behind the most joints it is the one whose name says so, else the first of them;
+    fingers and what they carry do not count.
 
     Raises:
         InputError: No joint moves.
     """
-    moving = {link: [joint for joint in robot.chain(link) if joint.moves] for link in robot.links}
-    arm = {
-        link: sum(joint.kind != "prismatic" and joint.mimic is None for joint in chain)
-        for link, chain in moving.items()
-    }
-    most = max(arm.values(), default=0)
-    longest = max(map(len, moving.values()), default=0)
-    if not longest:
+
+    def finger(link: str) -> bool:
+        names = [link, *(joint.child for joint in robot.chain(link))]
+        return any(word in name.lower() for name in names for word in _FINGERS)
+
+    links = [link for link in robot.links if not finger(link)] or list(robot.links)
+    moving = {link: sum(joint.moves for joint in robot.chain(link)) for link in links}
+    most = max(moving.values())
+    if not most:
         raise InputError("no joint of this robot moves: it is no arm", file=robot.file)
-    ends = [link for link in robot.links if arm[link] == most]
-    fewest = min(len(moving[link]) for link in ends)
-    ends = [link for link in ends if len(moving[link]) == (fewest if most else longest)]
 
     def rank(link: str) -> tuple[int, int]:
         named = [k for k, word in enumerate(_TIPS) if word in link.lower().replace("-", "_")]
-        return (min(named, default=len(_TIPS)), -len(robot.chain(link)))
+        return min(named, default=len(_TIPS)), len(robot.chain(link))
 
-    return min(ends, key=rank)
+    return min((link for link in links if moving[link] == most), key=rank)
 
 
 def _robot(urdf: str) -> Robot:
