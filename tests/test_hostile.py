@@ -179,6 +179,15 @@ def test_a_package_is_not_left_by_its_names(name: str, tmp_path: Path) -> None:
         find_file(f"package://parts/{tmp_path}/secret.urdf", tmp_path, [tmp_path])
 
 
+@pytest.mark.parametrize("key", ["null", "true", "1.5", "2001-01-01", '""'])
+def test_a_key_that_is_no_word_is_an_unknown_key(key: str, tmp_path: Path) -> None:
+    file = tmp_path / "task.yaml"
+    path = "{circle: {radius: 0.1, points: 9}}"
+    file.write_text(f"cell: {CELL}\npath: {path}\n{key}: 1\n")
+    with pytest.raises(InputError, match="unknown key"):
+        Task.load(file)
+
+
 def test_a_module_name_that_is_too_long_is_refused(tmp_path: Path) -> None:
     file = tmp_path / "task.yaml"
     path = "{circle: {radius: 0.1, points: 9}}"

@@ -311,7 +311,7 @@ def _mistake(
         keys.append(location[-1])
     if kind == "extra_forbidden":
         known = _known_keys(spec, location[:-1])
-        message = f"unknown key: {nearest(str(keys[-1]), known)}"
+        message = f"unknown key: {nearest(str(location[-1]), known)}"
     elif kind == "missing" and isinstance(location[-1], int):
         keys.pop()
         message = f"too few values; given {given!r}"
