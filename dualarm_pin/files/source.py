@@ -287,7 +287,8 @@ def check(source: Source, spec: type[SpecT], keys: Sequence[Key] = ()) -> SpecT:
 def plain(data: Any) -> Any:
     """Return ruamel's containers and scalars as plain Python ones."""
     if isinstance(data, dict):
-        return {key if isinstance(key, int) else str(key): plain(v) for key, v in data.items()}
+        # A number may count something; True is a number to Python, and no key of ours.
+        return {key if type(key) is int else str(key): plain(v) for key, v in data.items()}
     if isinstance(data, list | tuple):
         return [plain(value) for value in data]
     if isinstance(data, bool) or data is None:
