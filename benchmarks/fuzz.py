@@ -202,6 +202,7 @@ def fuzz(cases: list[tuple[str, int]], jobs: int, sound: Path) -> list[tuple[str
                     print(f"FAILED {ended[1]}:{ended[2]} {ended[3]}", flush=True)
             if worker.gone:
                 workers.remove(worker)
+                print(f"{len(found)} of {len(cases)}", file=sys.stderr, flush=True)
                 waiting += [worker.left] if worker.left else []
     return found
 
