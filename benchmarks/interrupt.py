@@ -17,6 +17,7 @@ import signal
 import sys
 import tempfile
 import time
+import traceback
 from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
@@ -72,6 +73,8 @@ def run(arguments: list[str], folder: Path, delay: float | None, number: int) ->
                 code = int(end.code or 0)
         except KeyboardInterrupt:  # outside of the command: not its fault
             code = 130
+        except BaseException:
+            traceback.print_exc()
         finally:
             sys.stdout.flush()
             os._exit(code)

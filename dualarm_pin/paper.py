@@ -17,6 +17,7 @@ from pathlib import Path
 from dualarm_pin.answer.folder import save_result
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import DualArmError
+from dualarm_pin.files.numbers import check_counts
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.files.write import write_text
 from dualarm_pin.planners.local import plan_local
@@ -98,8 +99,10 @@ def reproduce(
         progress: Told where the work stands.
 
     Raises:
+        InputError: A number is out of range.
         DualArmError: The two-stage method found nothing (too few starts).
     """
+    check_counts(starts, seed, jobs)
     task = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
     trajectories: dict[str, Trajectory] = {}
     with Workers(jobs) as workers:

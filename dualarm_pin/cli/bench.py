@@ -43,10 +43,11 @@ def bench(
     from dualarm_pin.bench.report.page import write_report
     from dualarm_pin.bench.suite import Suite
     from dualarm_pin.errors import InputError
+    from dualarm_pin.files.numbers import check_counts
 
-    if jobs is not None and (jobs < 1 or cluster is not None):
-        why = "belongs to local workers, not to --cluster" if cluster else "1 or more is expected"
-        raise InputError(f"{why}; given {jobs}", field="--jobs")
+    check_counts(jobs=jobs)
+    if jobs is not None and cluster is not None:
+        raise InputError("belongs to local workers, not to --cluster", field="--jobs")
     asked = Suite.load(suite, allow_code=allow_code)
     folder = out or Path("results") / suite.stem
     with BatchProgress() as progress:

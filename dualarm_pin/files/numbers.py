@@ -9,6 +9,8 @@ from typing import Annotated
 
 from pydantic import Field
 
+from dualarm_pin.errors import InputError
+
 LARGEST = 1e6  # no length [m], angle [deg] or speed of a robot is meant beyond it
 HEAVIEST = 1e12  # weights compare unlike units, so they may be large
 MOST_POINTS = 100_000  # of a path: one solve of so many takes about ten seconds
@@ -26,3 +28,20 @@ Point = Annotated[int, Field(ge=1, le=MOST_POINTS)]
 Starts = Annotated[int, Field(ge=1, le=MOST_STARTS)]
 Seed = Annotated[int, Field(ge=0, le=LARGEST_SEED)]
 Seconds = Annotated[float, Field(gt=0.0, le=1e7)]
+
+
+def check_counts(
+    starts: int | None = None, seed: int | None = None, jobs: int | None = None
+) -> None:
+    """Refuse options of a command that are out of range.
+
+    Raises:
+        InputError: The field is the option.
+    """
+    for name, number, least, most in (
+        ("starts", starts, 1, MOST_STARTS),
+        ("seed", seed, 0, LARGEST_SEED),
+        ("jobs", jobs, 1, MOST_JOBS),
+    ):
+        if number is not None and not least <= number <= most:
+            raise InputError(f"{least} to {most} is expected; given {number}", field=f"--{name}")

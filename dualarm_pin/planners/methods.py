@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.errors import InputError, UnknownNameError, nearest
-from dualarm_pin.files.numbers import LARGEST_SEED, MOST_JOBS, MOST_STARTS
+from dualarm_pin.errors import UnknownNameError, nearest
+from dualarm_pin.files.numbers import check_counts
 from dualarm_pin.planners.local import VARIANTS, plan_local
 from dualarm_pin.planners.peers import plan_casadi, plan_pink
 from dualarm_pin.planners.two_stage import plan_two_stage
@@ -83,13 +83,7 @@ def plan(
         InputError: A number is out of range, or a function of your own returns something else.
     """
     method = method or task.method or "global"
-    for name, number, least, most in (
-        ("starts", starts, 1, MOST_STARTS),
-        ("jobs", jobs, 1, MOST_JOBS),
-        ("seed", seed, 0, LARGEST_SEED),
-    ):
-        if number is not None and not least <= number <= most:
-            raise InputError(f"{least} to {most} is expected; given {number}", field=f"--{name}")
+    check_counts(starts, seed, jobs)
     if not isinstance(method, str):
         answer = method(task, seed=seed)
         if not isinstance(answer, Trajectory):

@@ -50,11 +50,14 @@ def sample(
         step: Largest distance of neighbours along the curve [m].
 
     Raises:
-        InputError: Both or neither of the two given, or not enough points for the corners.
+        InputError: Both or neither of the two given, not enough points for the corners, or a curve
+            without length.
     """
     if (points is None) == (step is None):
         given = "neither is" if points is None else "both are"
         raise InputError(f"give one of `points` and `step`: {given} given", field="points")
+    if not pieces:
+        raise InputError("the curve has no length: nothing is left of it")
     starts = knots_of(pieces)
     arrives, leaves = _end_tangents(pieces)
     turn = np.arccos(np.clip(np.sum(arrives[:-1] * leaves[1:], axis=1), -1.0, 1.0))
