@@ -24,7 +24,8 @@ if TYPE_CHECKING:
 _INNER = 3  # samples inside each line: dips of a line are found to a fraction of their depth
 _SHARP = 5e-4  # m; how near the bound comes to the smallest distance that was seen
 _MOST = 20_000  # distances of single pairs before the certificate is given up: half a second
-_MESHES = 400  # of which may be between meshes as they are: some milliseconds each
+_MESHES = 1_000  # distances between meshes as they are, of pairs that are too near anyway
+_MOST_MESHES = 20_000  # the same of all pairs: a few seconds
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,7 +167,9 @@ class Search:
 
     def _exact(self, q: Array, k: int, hulls: float) -> float:
         """Return the distance of meshes as they are; that of the hulls is never more."""
-        if self._meshes >= _MESHES:
+        if self._meshes >= (_MESHES if self.broken[k] else _MOST_MESHES):
             return hulls
         self._meshes += 1
-        return self.cell.distance(q, int(self.asked[k]), exact=True)
+        distance = self.cell.distance(q, int(self.asked[k]), exact=True)
+        self.broken[k] |= not keeps(distance, float(self.required[k]))
+        return distance
