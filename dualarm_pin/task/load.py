@@ -64,6 +64,7 @@ def parts_of_task(
             "rows": rows,
             "clearance": load_clearance(spec.clearance, cell),
             "motion": spec.motion,
+            "aim": spec.aim,
             "name": source.path.stem,
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),
