@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from dualarm_pin.answer.notes import FeedNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
@@ -14,6 +16,7 @@ from dualarm_pin.errors import InputError
 from dualarm_pin.feed.programme import FeedProgramme
 from dualarm_pin.feed.starts import fast_paths
 from dualarm_pin.motion.limits import limits_of
+from dualarm_pin.planners.forbidden import forbidden
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.solvers import interior_point as engine
@@ -38,6 +41,7 @@ class FeedBudget:
     rounds: int
 
 
+_LOOKS = 9  # postures of a path at which it is looked for contact; the check sees them all
 BUDGETS: dict[str, FeedBudget] = {
     "quick": FeedBudget(300, 1, 8),
     "normal": FeedBudget(900, 2, 25),
@@ -77,6 +81,9 @@ def plan_feed(
     budget, spec = BUDGETS[effort], task.motion or MotionSpec()
     limits = limits_of(task.cell, spec.limits)
     clock = Clock.start()
+    never = forbidden(task, "feed", "engine", seed, clock)
+    if never is not None:
+        return never
     compile_s = engine.ensure_compiled(progress.line)
     drawn = starts or budget.starts
     progress.stage("starts for speed")
@@ -86,17 +93,18 @@ def plan_feed(
     programme = FeedProgramme(task, limits, spec.chord)
     progress.stage("fastest paths refined", budget.refined)
     best: tuple[Array, float] | None = None
-    interrupted, tried = False, 0
+    interrupted, tried, best_is_clear = False, 0, False
     try:
-        for q in paths:
+        for q in sorted(paths, key=lambda path: not _clear(task, path)):  # clear ones first
             try:
                 found = programme.refine(q, budget.rounds)
             except InputError:  # no smooth curve through these postures: the next ones
                 continue
             tried += 1
             progress.advance()
-            if best is None or found[1] > best[1]:
-                best = found
+            clear = _clear(task, found[0])
+            if best is None or (clear, found[1]) > (best_is_clear, best[1]):
+                best, best_is_clear = found, clear
             if tried == budget.refined:
                 break
     except KeyboardInterrupt:
@@ -117,3 +125,10 @@ def plan_feed(
         else "",
         notes=FeedNotes(effort, feed, drawn, tried, interrupted),
     )
+
+
+def _clear(task: Task, q: Array) -> bool:
+    """Tell whether no two bodies are seen to touch along a path (h, n), or nothing is known."""
+    looks = np.unique(np.linspace(0, len(q) - 1, _LOOKS).astype(int))
+    found = [task.cell.clearance(q[i]) for i in looks]
+    return all(near is None or near.distance > 0.0 for near in found)

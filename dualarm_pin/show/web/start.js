@@ -7,10 +7,11 @@
 //   play() pause() speed(x)
 //   select(k)      show run k
 //   layout(mode)   "one", "overlay" or "side"; compare(k, on) chooses the others
-//   show(name, on) visual collision path frames direction force velocity ghosts hold
+//   show(name, on) visual collision path frames direction force velocity ghosts traces hold
 //   look(view)     corner front side top close
 //   linkPose(name) {position: [x, y, z] m, quaternion: [x, y, z, w]} in the world of the cell
 //   index()        index at this place, interpolated
+//   seconds()      time of the motion at this place [s]; null without a motion
 window.dualarm = {};
 window.dualarm.ready = (async () => {
   const fail = (text) => {
@@ -39,6 +40,7 @@ window.dualarm.ready = (async () => {
     look: (view) => player.look(view),
     linkPose: (name) => player.on_stage[0].robot.linkPose(name),
     index: () => DA.between(player.on_stage[0].index, 1, player.t * (player.on_stage[0].h - 1))[0],
+    seconds: () => (player.run.motion ? player.secondsAt(player.t) : null),
     player,
   });
   if (head.results) DA.report(player, head);
