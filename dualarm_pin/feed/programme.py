@@ -34,6 +34,7 @@ _FIRST, _LEAST = 0.1, 2e-4
 _WIDER, _NARROWER, _REFUSED = 1.6, 0.6, 0.35
 _FORETOLD, _MISJUDGED = 0.7, 0.3
 _GAIN = 3e-4  # relative gain of a round below which two in a row end it
+_PER_INTERVAL = 4  # places in an interval of a curve at which its feed is judged
 _CORRECTIONS = 2  # programmes a step: the second knows how the pose rows curve
 _NEAR = 0.85  # rows that cannot come nearer to the largest use than this are left out
 
@@ -103,7 +104,9 @@ class FeedProgramme:
             self.slowness = Slowness(curve.relative.place, self.limits)
         s = self.slowness.between
         uses = self.slowness.uses(curve.at(s, 1), curve.at(s, 2))
-        return _State(q, curve, uses, self.slowness.worst(uses))
+        dense = curve.places(_PER_INTERVAL)
+        everywhere = self.slowness.uses(curve.at(dense, 1), curve.at(dense, 2))
+        return _State(q, curve, uses, self.slowness.worst(everywhere))
 
     def _step(self, state: _State, region: float) -> tuple[_State, float] | None:
         """Return the state after one programme, and the 1 / feed that it foretold; None if none."""

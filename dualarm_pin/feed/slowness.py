@@ -10,7 +10,7 @@ from scipy.interpolate import CubicSpline
 from dualarm_pin.arrays import Array
 from dualarm_pin.motion.limits import Limits
 
-_PER_LINK = 4  # places in a link at which limits are looked at
+_PER_LINK = 6  # places in a link at which limits are looked at
 
 
 @dataclass(frozen=True, eq=False)
