@@ -111,12 +111,5 @@ def _metric(smooth: SmoothnessSpec, cell: Cell) -> Array:
         return np.array(smooth.metric, dtype=float)
     if smooth.metric == "equal":
         return np.ones(cell.n)
-    unknown = [joint.name for joint in cell.joints if not joint.velocity]
-    if unknown:
-        raise InputError(
-            f"the velocity limit of {', '.join(unknown)} is unknown: give the metric as a list "
-            "of weights",
-            field="smoothness.metric",
-        )
-    limits = np.array([joint.velocity for joint in cell.joints], dtype=float)
+    limits = known_limits(cell.joints, "velocity", "; or give the metric as a list of weights")
     return np.asarray((np.mean(limits) / limits) ** 2)
