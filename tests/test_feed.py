@@ -13,6 +13,7 @@ from dualarm_pin.feed.programme import FeedProgramme
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.motion.limits import limits_of
 from dualarm_pin.motion.make import make_motion
+from dualarm_pin.planners.feed import BUDGETS, FeedBudget
 from dualarm_pin.planners.methods import plan
 from dualarm_pin.relative import Relative
 from dualarm_pin.task import Task
@@ -48,10 +49,12 @@ def test_the_points_of_the_public_curve_lie_on_its_formula() -> None:
     assert set(path.rows) == {5}
 
 
-@pytest.mark.slow
-def test_from_nothing_the_public_curve_is_run_faster_than_published() -> None:
+def test_from_nothing_the_public_curve_is_run_faster_than_published(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setitem(BUDGETS, "quick", FeedBudget(90, 1, 3))
     task = Task.load(CURVE, ["motion.limits=[velocity]"])
-    found = plan(task, effort="quick", starts=100, jobs=1)
+    found = plan(task, effort="quick", jobs=1)
     motion = make_motion(task, found)
     assert found.found
     assert isinstance(found.notes, FeedNotes)
