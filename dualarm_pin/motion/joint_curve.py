@@ -24,6 +24,7 @@ _MOST = 6000  # grid points; a path that needs more has corners that no motion f
 _NEAR = 0.05  # share of a link at which the bend of the path is seen: far above rounding
 _BENDS = 6  # rounds: each leaves a quarter of what the last left
 _FEW = 4  # points that a spline needs to tell an end from what is beside it
+_SHORTEST = 1e-6  # m: an interval so short that still leaves the path is torn apart
 _SPARE = 0.2  # share of the tolerance that the curve itself may take
 
 
@@ -57,7 +58,7 @@ class JointCurve:
 
         What a posture is ahead or behind along the path is no error.
         """
-        wanted = self.relative.at(place)
+        wanted = self.relative.poses(place)
         position, rotation = np.zeros(len(q)), np.zeros(len(q))
         for i, q_i in enumerate(q):
             rows = int(wanted.rows[i])
@@ -66,7 +67,7 @@ class JointCurve:
                 wanted.position[i],
                 wanted.rotation[i],
                 rows,
-                wanted.spin_axis,
+                self.relative.path.spin_axis,
             )
             aside = residual[:3] - (residual[:3] @ wanted.tangent[i]) * wanted.tangent[i]
             position[i] = np.linalg.norm(aside)
@@ -98,7 +99,7 @@ def joint_curve(task: Task, q: Array, chord: ChordSpec) -> JointCurve:
         rough = share > _SPARE
         if not rough.any():
             return curve
-        if len(grid) + rough.sum() > _MOST:
+        if len(grid) + rough.sum() > _MOST or np.diff(grid)[rough].min() < _SHORTEST:
             worst = int(np.argmax(share))
             at = float(relative.arc_length(middle[worst : worst + 1])[0])
             raise InputError(
@@ -112,9 +113,12 @@ def joint_curve(task: Task, q: Array, chord: ChordSpec) -> JointCurve:
         rough |= np.append(rough[1:], False) | np.append(False, rough[:-1])
         added = middle[rough]
         fresh = _projected(task, relative, added, between[rough])
-        order = np.argsort(np.concatenate([grid, added]), kind="stable")
-        grid = np.concatenate([grid, added])[order]
-        joints = np.concatenate([joints, fresh])[order]
+        grid, joints = _merged(grid, joints, added, fresh)
+
+
+def _merged(grid: Array, joints: Array, added: Array, fresh: Array) -> tuple[Array, Array]:
+    order = np.argsort(np.concatenate([grid, added]), kind="stable")
+    return np.concatenate([grid, added])[order], np.concatenate([joints, fresh])[order]
 
 
 def through_postures(relative: RelativePath, task: Task, q: Array) -> CubicSpline:
