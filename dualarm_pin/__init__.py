@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from dualarm_pin.exports import export as export
     from dualarm_pin.files.resources import urdf_folder as urdf_folder
     from dualarm_pin.indices.index import Index as Index
+    from dualarm_pin.motion.make import make_motion as make_motion
     from dualarm_pin.path import Path as Path
     from dualarm_pin.path import paths as paths
     from dualarm_pin.planners.local import plan_local as plan_local
@@ -70,6 +71,7 @@ _HOMES = {
     "examine": "evidence.examine",
     "export": "exports",
     "load_result": "answer.folder",
+    "make_motion": "motion.make",
     "plan": "planners.methods",
     "plan_global": "planners.whole_path",
     "plan_local": "planners.local",

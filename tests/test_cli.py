@@ -214,7 +214,9 @@ def test_motion_is_written_beside_a_result_and_refused_without_one(tmp_path: Pat
 
 
 def test_solve_runs_the_motion_that_the_task_asks_for(tmp_path: Path) -> None:
-    task = small_task(tmp_path, motion="{law: time_optimal, rate: 0.01}")
+    path = "{corner: {side: 0.15, fillet: 0.01, height: 0.3, points: [9, 3, 9]}, "
+    path += "rotation: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}"
+    task = small_task(tmp_path, motion="{law: time_optimal, rate: 0.01}", path=path)
     done = run("solve", task, "--method", "local", "--out", "r", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     motion = Motion.load(tmp_path / "r")

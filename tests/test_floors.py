@@ -16,6 +16,7 @@ FLOORS = [
     {"cli", "__main__"},
     {"bench", "paper", "inspection", "explain", "starter", "design"},
     {"planners", "show", "exports"},
+    {"feed"},
     {"evidence"},
     {"motion"},
     {"search", "answer"},

@@ -101,6 +101,9 @@ def test_the_fastest_motion_is_faster_and_touches_a_limit() -> None:
     assert max(use.largest for use in fast.summary.limits) == pytest.approx(1.0, abs=1e-3)
     assert fast.summary.stretch < 1.05
     assert sum(use.share for use in fast.summary.limits) == pytest.approx(1.0)
+    held = {use.joint for use in fast.summary.limits if use.share > 0.05}
+    assert held <= {name.split()[0] for name in fast.summary.held_by}
+    assert len(fast.summary.held_by) == 31
     _, smooth = case("motion.law=time_optimal", JERK)
     assert fast.duration < smooth.duration < 3.0 * fast.duration
 

@@ -88,8 +88,8 @@ def test_lambda_follows_the_arc_length_where_asked() -> None:
 
 
 def test_the_speed_limits_may_be_the_metric_if_they_are_known() -> None:
-    with pytest.raises(InputError, match=r"velocity limit of arm1/joint_1.*is unknown"):
-        Task.load(TASK, ["smoothness={metric: velocity}"])
+    with pytest.raises(InputError, match=r"no velocity limit is known for arm1/joint_1"):
+        Task.load(TASK, ["smoothness={metric: velocity}", "cell.velocity_deg={}"])
     speeds = ", ".join(f"joint_{i}: {100 * i}" for i in range(1, 7))
     task = Task.load(TASK, ["smoothness={metric: velocity}", f"cell.velocity_deg={{{speeds}}}"])
     assert task.metric is not None

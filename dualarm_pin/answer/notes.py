@@ -22,6 +22,17 @@ class GlobalNotes:
 
 
 @dataclass(frozen=True)
+class FeedNotes:
+    """Of the largest feed: what joint speed and acceleration allow [m/s], and the work."""
+
+    effort: str
+    steady_feed: float
+    starts: int
+    refined: int
+    interrupted: bool
+
+
+@dataclass(frozen=True)
 class PolishNotes:
     """Of one solve from given joints: whether it did better than those."""
 
@@ -65,6 +76,7 @@ class PinkNotes:
 
 NOTES: Final[dict[str, type[DataclassInstance]]] = {
     "global": GlobalNotes,
+    "feed": FeedNotes,
     "polish": PolishNotes,
     "two-stage": TwoStageNotes,
     "local": LocalNotes,

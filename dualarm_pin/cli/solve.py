@@ -15,7 +15,7 @@ from dualarm_pin.cli.terminal import TerminalProgress
 def solve(
     task: Path,
     *,
-    method: Literal["global", "two-stage", "local", "casadi", "pink"] | None = None,
+    method: Literal["global", "feed", "two-stage", "local", "casadi", "pink"] | None = None,
     effort: Literal["quick", "normal", "thorough"] = "normal",
     solver: str | None = None,
     starts: int | None = None,
@@ -29,10 +29,10 @@ def solve(
 
     Args:
         task: A task file (YAML).
-        method: The whole path at once, the paper's two stages, or step by step; casadi and pink
-            are peers for comparison and need their extras. That of the task file by default, else
-            global.
-        effort: How much evidence to gather; for the global method.
+        method: The whole path at once, the largest feed, the paper's two stages, or step by step;
+            casadi and pink are peers for comparison and need their extras. That of the task file
+            by default, else that of its aim.
+        effort: How much evidence to gather; for global and feed.
         solver: Solver of the method: engine, nlopt-slsqp, ipopt or fatrop for global and
             two-stage; free, clamped or qp for local.
         starts: Number of starts.
@@ -48,14 +48,14 @@ def solve(
     from dualarm_pin.motion.limits import limits_of
     from dualarm_pin.motion.make import make_motion
     from dualarm_pin.motion.text import motion_text
-    from dualarm_pin.planners.methods import plan
+    from dualarm_pin.planners.methods import AIMS, plan
     from dualarm_pin.solvers.solver import name_of
     from dualarm_pin.task import Task
 
     loaded = Task.load(task, set_, allow_code=allow_code)
     if loaded.motion is not None:
         limits_of(loaded.cell, loaded.motion.limits)  # what is missing is said before the search
-    how = method or name_of(loaded.method or "global")
+    how = method or name_of(loaded.method or AIMS[loaded.aim])
     folder = out or Path("results") / f"{task.stem}-{how.replace(':', '-')}"
     with reserved(folder), TerminalProgress() as progress:
         for warning in loaded.cell.warnings:

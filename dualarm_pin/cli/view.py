@@ -30,6 +30,7 @@ def view(
         allow_code: Import and run the index, path or rows that a task names with `call`.
     """
     from dualarm_pin.answer.folder import labels, load_result
+    from dualarm_pin.motion.record import motions_of
     from dualarm_pin.show import report_page, serve, write_report
 
     if not results:
@@ -38,15 +39,16 @@ def view(
         label: load_result(folder, allow_code=allow_code)
         for label, folder in zip(labels(results), results, strict=True)
     }
+    motions = motions_of(dict(zip(loaded, results, strict=True)))
     first, _ = next(iter(loaded.values()))
     title = first.path.name if len(loaded) == 1 else f"{len(loaded)} results"
     title = f"{first.cell.name}: {title}"
     if html is not None:
-        write_report(html, loaded, title=title)
+        write_report(html, loaded, title=title, motions=motions)
         print(f"written to {html}")
         return DONE
     serve(
-        report_page(loaded, title=title),
+        report_page(loaded, title=title, motions=motions),
         port,
         browser,
         ready=lambda address: print(f"{address} (Ctrl-C ends it)", flush=True),

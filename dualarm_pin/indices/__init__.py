@@ -15,11 +15,18 @@ from dualarm_pin.indices.spectral import (
     smallest_singular_value,
     yoshikawa,
 )
-from dualarm_pin.indices.transmission import force, velocity
+from dualarm_pin.indices.transmission import force, torque, velocity
 
 INDICES: dict[str, Callable[..., Index]] = {
     factory.__name__: factory
-    for factory in (force, velocity, yoshikawa, inverse_condition_number, smallest_singular_value)
+    for factory in (
+        force,
+        torque,
+        velocity,
+        yoshikawa,
+        inverse_condition_number,
+        smallest_singular_value,
+    )
 }
 """The indices that task files name; a new one is a factory in a file of its own, and an entry."""
 
@@ -32,6 +39,7 @@ __all__ = [
     "force",
     "inverse_condition_number",
     "smallest_singular_value",
+    "torque",
     "velocity",
     "yoshikawa",
 ]

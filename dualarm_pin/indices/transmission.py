@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import Any, Unpack
 
 import numpy as np
@@ -26,6 +27,15 @@ def force(**weights: Unpack[Weights]) -> Index:
         ),
         weights,
     )
+
+
+def torque(**weights: Unpack[Weights]) -> Index:
+    """Return the joint torques that a unit force along u costs, as shares of their limits.
+
+    c is the sum of their squares: the force index with 1 / limit^2 as joint weights. A task sets
+    them from the torque limits of its cell; in Python give `joint_weights`.
+    """
+    return dataclasses.replace(force(**weights), name="torque", units="1/N^2")
 
 
 def velocity(**weights: Unpack[Weights]) -> Index:

@@ -21,6 +21,10 @@ from dualarm_pin.tolerance import TOLERANCE
 
 _INTERVALS = 150  # of the first grid: 2 mm on a path of 0.3 m
 _MOST = 6000  # grid points; a path that needs more has corners that no motion follows
+_NEAR = 0.05  # share of a link at which the bend of the path is seen: far above rounding
+_BENDS = 6  # rounds: each leaves a quarter of what the last left
+_FEW = 4  # points that a spline needs to tell an end from what is beside it
+_SHORTEST = 1e-6  # m: an interval so short that still leaves the path is torn apart
 _SPARE = 0.2  # share of the tolerance that the curve itself may take
 
 
@@ -54,7 +58,7 @@ class JointCurve:
 
         What a posture is ahead or behind along the path is no error.
         """
-        wanted = self.relative.at(place)
+        wanted = self.relative.poses(place)
         position, rotation = np.zeros(len(q)), np.zeros(len(q))
         for i, q_i in enumerate(q):
             rows = int(wanted.rows[i])
@@ -63,7 +67,7 @@ class JointCurve:
                 wanted.position[i],
                 wanted.rotation[i],
                 rows,
-                wanted.spin_axis,
+                self.relative.path.spin_axis,
             )
             aside = residual[:3] - (residual[:3] @ wanted.tangent[i]) * wanted.tangent[i]
             position[i] = np.linalg.norm(aside)
@@ -83,7 +87,7 @@ def joint_curve(task: Task, q: Array, chord: ChordSpec) -> JointCurve:
         InputError: No grid is fine enough: the path has a corner, or cannot be reached there.
     """
     relative = RelativePath(task.path)
-    first = CubicSpline(relative.place, q, bc_type="natural")
+    first = through_postures(relative, task, q)
     grid = _divided(relative.place, relative.length / _INTERVALS)
     joints = _projected(task, relative, grid, first(grid))
     while True:
@@ -95,7 +99,7 @@ def joint_curve(task: Task, q: Array, chord: ChordSpec) -> JointCurve:
         rough = share > _SPARE
         if not rough.any():
             return curve
-        if len(grid) + rough.sum() > _MOST:
+        if len(grid) + rough.sum() > _MOST or np.diff(grid)[rough].min() < _SHORTEST:
             worst = int(np.argmax(share))
             at = float(relative.arc_length(middle[worst : worst + 1])[0])
             raise InputError(
@@ -109,9 +113,50 @@ def joint_curve(task: Task, q: Array, chord: ChordSpec) -> JointCurve:
         rough |= np.append(rough[1:], False) | np.append(False, rough[:-1])
         added = middle[rough]
         fresh = _projected(task, relative, added, between[rough])
-        order = np.argsort(np.concatenate([grid, added]), kind="stable")
-        grid = np.concatenate([grid, added])[order]
-        joints = np.concatenate([joints, fresh])[order]
+        grid, joints = _merged(grid, joints, added, fresh)
+
+
+def _merged(grid: Array, joints: Array, added: Array, fresh: Array) -> tuple[Array, Array]:
+    order = np.argsort(np.concatenate([grid, added]), kind="stable")
+    return np.concatenate([grid, added])[order], np.concatenate([joints, fresh])[order]
+
+
+def through_postures(relative: RelativePath, task: Task, q: Array) -> CubicSpline:
+    """Return the spline through postures (h, n) whose ends bend as they do beside and as the path.
+
+    Ends without bend would leave the path in the first and the last link, and putting them back
+    there would cost much acceleration.
+    """
+    place = relative.place
+    bend = np.zeros((2, q.shape[1]))
+    for _ in range(_BENDS):
+        spline = CubicSpline(place, q, bc_type=((2, bend[0]), (2, bend[1])))
+        beside = spline(place[[1, -2]], 2) if len(place) >= _FEW else bend
+        bend = _on_path_bends(relative, task, q[[0, -1]], spline(place[[0, -1]], 1), beside)
+    return spline
+
+
+def _on_path_bends(
+    relative: RelativePath, task: Task, q: Array, slope: Array, bend: Array
+) -> Array:
+    """Return second derivatives (2, n) near `bend` that keep both ends of a curve on the path.
+
+    Args:
+        relative: The path.
+        task: Cell and path.
+        q: Joints at both ends (2, n).
+        slope: Their first derivatives by the place (2, n).
+        bend: Wanted second derivatives (2, n).
+    """
+    first, last = _NEAR * np.diff(relative.place)[[0, -1]]
+    steps = np.array([first, 2.0 * first, -2.0 * last, -last])
+    which, along = np.array([0, 0, 1, 1]), steps[:, None]
+    guess = q[which] + slope[which] * along + 0.5 * bend[which] * along**2
+    inside = np.where(steps > 0.0, steps, relative.length + steps)
+    away = _projected(task, relative, inside, guess) - guess
+    # What grows with the step is an error of the slope; that of the bend grows with its square.
+    lacking = np.array([away[1] - 2.0 * away[0], away[2] - 2.0 * away[3]])
+    return np.asarray(bend + lacking / np.array([[first], [last]]) ** 2)
 
 
 def _divided(place: Array, longest: float) -> Array:

@@ -9,8 +9,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
-from dualarm_pin.cell.parts import MOTION_KEYS, Joint
-from dualarm_pin.errors import InputError
+from dualarm_pin.cell.known_limits import known_limits
 from dualarm_pin.motion.summary import Kind
 
 _WORDS: dict[Kind, str] = {
@@ -56,44 +55,24 @@ def limits_of(cell: Cell, asked: Sequence[Kind] | None = None) -> Limits:
     Raises:
         InputError: A limit is missing; the message names the joint and the key of the cell file.
     """
-    known: dict[Kind, list[Joint]] = {
-        kind: [joint for joint in cell.joints if getattr(joint, word) is None]
+    kinds = set(_stated(cell) if asked is None else asked) | {"velocity"}
+    values = {}
+    for kind, word in _WORDS.items():
+        advice = "" if kind == "velocity" else "; or leave it out: motion.limits=[velocity]"
+        kept = kind in kinds
+        values[kind] = known_limits(cell.joints, word, advice) if kept else np.full(cell.n, np.inf)
+    return Limits(cell.joint_names, kinds=tuple(k for k in _WORDS if k in kinds), **values)
+
+
+def _stated(cell: Cell) -> set[Kind]:
+    """Return the kinds that a cell states, were it for one joint alone."""
+    known = {
+        kind: [getattr(joint, word) is not None for joint in cell.joints]
         for kind, word in _WORDS.items()
     }
-    if asked is not None:
-        kinds = [kind for kind in _WORDS if kind in asked]
-    else:
-        some = [kind for kind, lacking in known.items() if len(lacking) < cell.n]
-        kinds = [kind for kind in some if kind != "torque"]
-        if not known["torque"] and not cell.massless_joints:
-            kinds.append("torque")
-        if "acceleration" not in kinds and "torque" not in kinds:
-            kinds.append("acceleration")  # a motion that starts from rest has to know one of them
-    if "velocity" not in kinds:
-        kinds.insert(0, "velocity")
-    for kind in kinds:
-        if known[kind]:
-            raise _missing(cell, kind, known[kind])
-    values = {
-        kind: np.array([getattr(joint, _WORDS[kind]) for joint in cell.joints], dtype=float)
-        if kind in kinds
-        else np.full(cell.n, np.inf)
-        for kind in _WORDS
-    }
-    return Limits(cell.joint_names, kinds=tuple(kinds), **values)
-
-
-def _missing(cell: Cell, kind: Kind, joints: Sequence[Joint]) -> InputError:
-    key = MOTION_KEYS[_WORDS[kind]]
-    first = joints[0]
-    owner, _, name = first.name.partition("/")
-    if first.kind == "prismatic":
-        key = kind
-    more = f" (nor for {len(joints) - 1} more joints)" if len(joints) > 1 else ""
-    where = f"arms.{owner}.{key}" if owner != "common" else key
-    advice = "" if kind == "velocity" else "; or leave it out: motion.limits=[velocity]"
-    return InputError(
-        f"no {kind} limit is known for {first.name}{more}, or it is 0: give "
-        f"`{where}: {{{name}: ...}}` in the cell file of {cell.name}{advice}",
-        field=f"{where}.{name}",
-    )
+    stated: set[Kind] = {kind for kind, each in known.items() if any(each)} - {"torque"}
+    if all(known["torque"]) and not cell.massless_joints:
+        stated.add("torque")
+    if not stated & {"acceleration", "torque"}:
+        stated.add("acceleration")  # a motion that starts from rest has to know one of them
+    return stated

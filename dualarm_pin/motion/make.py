@@ -76,6 +76,7 @@ def _motion(
         distances_along(curve.task, curve.at(curve.grid), between_arms=between)
         for between in (False, True)
     )
+    uses = _limit_uses(limits, use, spec.feed if "feed" in use.share else None)
     summary = MotionSummary(
         duration=schedule.duration,
         feed=float(np.max(motion.speed)),
@@ -88,7 +89,8 @@ def _motion(
         kinds=limits.kinds,
         stretch=slower,
         jerk="checked" if "jerk" in limits.kinds else "",
-        limits=_limit_uses(limits, use, spec.feed if "feed" in use.share else None),
+        limits=uses,
+        held_by=_held_by(uses, use, curve.relative.place),
         least_clearance=None if everywhere is None else everywhere.least,
         least_arm_clearance=None if arms is None else arms.least,
         tool_force=spec.tool_force,
@@ -110,21 +112,28 @@ def _motion(
 
 def _limit_uses(limits: Limits, use: Use, feed: float | None) -> tuple[LimitUse, ...]:
     """Return what each limit does; its share of the path is where it holds the motion back."""
-    every = np.concatenate(list(use.pace.values()), axis=1)
-    tightest = np.argmax(every, axis=1)
-    weight = np.gradient(use.place) if len(use.place) > 1 else np.ones(1)
-    held = np.bincount(tightest, np.maximum(weight, 0.0), every.shape[1])
+    tightest = np.argmax(use.paces, axis=1)
+    weight = np.gradient(use.place)
+    held = np.bincount(tightest, np.maximum(weight, 0.0), use.paces.shape[1])
     held = held / max(held.sum(), 1e-300)
     found, column = [], 0
     for kind, share in use.share.items():
         for j in range(share.shape[1]):
             joint = "" if kind == "feed" else limits.joints[j]
             value = float(feed or 0.0) if kind == "feed" else float(limits.of(kind)[j])
-            found.append(
-                LimitUse(kind, joint, value, float(share[:, j].max()), float(held[column]))
-            )
+            largest = float(share[:, j].max())
+            found.append(LimitUse(kind, joint, value, largest, float(held[column])))
             column += 1
     return tuple(found)
+
+
+def _held_by(uses: tuple[LimitUse, ...], use: Use, place: Array) -> tuple[str, ...]:
+    """Return which limit holds the motion back at places (h,), looking halfway to their next."""
+    owner = np.searchsorted(0.5 * (place[1:] + place[:-1]), use.place)
+    names = [f"{each.joint or 'the tool'} {each.kind}" for each in uses]
+    pace = np.zeros((len(place), len(uses)))
+    np.maximum.at(pace, owner, use.paces)
+    return tuple(names[k] for k in np.argmax(pace, axis=1))
 
 
 def _torque_uses(task: Task, samples: Samples, torque: Array) -> tuple[TorqueUse, ...]:

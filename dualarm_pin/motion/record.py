@@ -10,7 +10,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
-from dualarm_pin.motion.store import read_motion, write_motion
+from dualarm_pin.motion.store import has_motion, read_motion, write_motion
 from dualarm_pin.motion.summary import Law, MotionSummary
 
 
@@ -92,3 +92,12 @@ class Motion:
         named = ("time", "arc_length", "q", "velocity", "acceleration")
         found = {name: getattr(self, name) for name in named}
         return found if self.torque is None else found | {"torque": self.torque}
+
+
+def motions_of(folders: Mapping[str, Path]) -> dict[str, Motion]:
+    """Return the motions of result folders by label; those without one are left out.
+
+    Raises:
+        InputError: A motion is damaged.
+    """
+    return {label: Motion.load(folder) for label, folder in folders.items() if has_motion(folder)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,28 @@ from scipy.spatial.transform import Rotation, RotationSpline
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.path import Path
-from dualarm_pin.path.path import WHOLE_POSE, through
+from dualarm_pin.path.path import WHOLE_POSE, Counts, through
 from dualarm_pin.tolerance import TOLERANCE
 
 Flags = NDArray[np.bool_]
 # A turn on the spot by 1 rad counts as this much way [m], else it would take none.
 _TURN_LENGTH = 0.1
+
+
+class Poses(NamedTuple):
+    """Poses of e2 in e1.
+
+    Attributes:
+        position: (m, 3) [m].
+        rotation: (m, 3, 3).
+        rows: (m,) constrained components, as `Path.rows`.
+        tangent: (m, 3) unit tangents of the path.
+    """
+
+    position: Array
+    rotation: Array
+    rows: Counts
+    tangent: Array
 
 
 class RelativePath:
@@ -64,7 +81,17 @@ class RelativePath:
         return np.interp(place, self.place, self.path.arc_length)
 
     def at(self, place: Array) -> Path:
-        """Return the path of these places (m,), rising, as points."""
+        """Return the path of these places (m,), rising, as points; none may coincide."""
+        poses = self.poses(place)
+        return replace(
+            self.path,
+            u=self.direction(place),
+            arc_length=self.arc_length(place) - self.arc_length(place[:1]),
+            **poses._asdict(),
+        )
+
+    def poses(self, place: Array) -> Poses:
+        """Return where e2 shall be at places (m,), which may crowd."""
         path = self.path
         link = np.clip(np.searchsorted(self.place, place, side="right") - 1, 0, path.h - 2)
         after = np.clip(np.searchsorted(self.place, place, side="left"), 0, path.h - 1)
@@ -72,20 +99,9 @@ class RelativePath:
         rows = np.minimum(path.rows[before], path.rows[after])
         slope = self._position(place, 1)
         length = np.linalg.norm(slope, axis=1, keepdims=True)
-        tangent = np.where(
-            length > TOLERANCE.no_length,
-            slope / np.maximum(length, TOLERANCE.no_length),
-            path.tangent[link],
-        )
-        return replace(
-            path,
-            position=self._position(place),
-            rotation=self._rotations(place, rows),
-            u=self.direction(place),
-            rows=rows,
-            tangent=tangent,
-            arc_length=self.arc_length(place) - self.arc_length(place[:1]),
-        )
+        unit = slope / np.maximum(length, TOLERANCE.no_length)
+        tangent = np.where(length > TOLERANCE.no_length, unit, path.tangent[link])
+        return Poses(self._position(place), self._rotations(place, rows), rows, tangent)
 
     def direction(self, place: Array) -> Array:
         """Return the direction u (m, 6) at places (m,), straight between the points."""

@@ -79,6 +79,17 @@ def read_motion(folder: Path) -> tuple[Law, tuple[str, ...], dict[str, Array], M
     return law, trajectory.joints, arrays, summary
 
 
+def has_motion(folder: Path) -> bool:
+    """Tell whether a result folder holds a motion.
+
+    Raises:
+        MissingFileError: It holds no result.
+        InputError: Its result is damaged.
+    """
+    load_trajectory(folder)
+    return isinstance(_result(folder).get("motion"), dict)
+
+
 def _result(folder: Path) -> dict[str, Any]:
     text = (folder / "result.json").read_text(encoding="utf-8")
     content: dict[str, Any] = json.loads(text)

@@ -69,6 +69,7 @@ class MotionSummary:
         stretch: Factor by which the dense check made the motion slower, at least 1.
         jerk: "" without jerk limits, else "checked": the law is smoothed until they hold.
         limits: What each limit does.
+        held_by: At each point of the path, the limit that a faster motion would break first.
         least_clearance: Smallest distance along the samples [m]; None where it is unknown.
         least_arm_clearance: The same between the arms [m].
         tool_force: Force at the tool of arm2, in axes of e1 [N], that the torques hold.
@@ -88,6 +89,7 @@ class MotionSummary:
     stretch: float
     jerk: str
     limits: tuple[LimitUse, ...]
+    held_by: tuple[str, ...] = ()
     least_clearance: Number | None = None
     least_arm_clearance: Number | None = None
     tool_force: float = 0.0

@@ -99,7 +99,8 @@ def _refuse_load(curve: JointCurve, limits: Limits, static: Array, s: Array) -> 
     raise InputError(
         f"standing still takes {abs(static[i, j]):.4g} of {limits.torque[j]:.4g} N m (or N) of "
         f"{limits.joints[j]} near point {point}: gravity and the tool force alone are too much; "
-        "give a larger `torque` in the cell file, or another path",
+        "give a larger `torque` in the cell file, leave torque out of motion.limits, or change the "
+        "path",
         field=limits.joints[j],
     )
 

@@ -69,6 +69,11 @@ class Use:
     pace: dict[Kind, Array]
 
     @property
+    def paces(self) -> Array:
+        """All of `pace`, kind by kind, side by side (m, columns)."""
+        return np.concatenate(list(self.pace.values()), axis=1)
+
+    @property
     def slower(self) -> float:
         """Factor of time that brings every share to 1 or less."""
         return max(1.0, *(float(pace.max()) for pace in self.pace.values()))

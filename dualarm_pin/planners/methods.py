@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import UnknownNameError, nearest
 from dualarm_pin.files.numbers import check_counts
+from dualarm_pin.planners.feed import plan_feed
 from dualarm_pin.planners.local import VARIANTS, plan_local
 from dualarm_pin.planners.peers import plan_casadi, plan_pink
 from dualarm_pin.planners.two_stage import plan_two_stage
@@ -44,8 +45,12 @@ class PlannerEntry:
     options: tuple[str, ...] = ("starts",)
 
 
+AIMS = {"index": "global", "feed": "feed"}
+"""The method of each aim."""
+
 METHODS: dict[str, PlannerEntry] = {
     "global": PlannerEntry(plan_global, SOLVERS, options=("effort", "starts", "jobs")),
+    "feed": PlannerEntry(plan_feed, {}, options=("effort", "starts", "jobs")),
     "two-stage": PlannerEntry(plan_two_stage, SOLVERS, options=("starts", "jobs")),
     "local": PlannerEntry(plan_local, {name: name for name in VARIANTS}, "variant"),
     "casadi": PlannerEntry(plan_casadi, {name: name for name in PLUGINS}, "plugin"),
@@ -69,8 +74,8 @@ def plan(
     Args:
         task: What is asked.
         method: A name in `METHODS`, or a function (task, seed=...) that returns a `Trajectory`;
-            None takes that of the task, else the whole path at once.
-        effort: `quick`, `normal` or `thorough`; for `global` alone.
+            None takes that of the task, else that of its aim.
+        effort: `quick`, `normal` or `thorough`; for `global` and `feed`.
         solver: A name that the method knows, or a `Solver` where it takes any; None takes that of
             the task, else the method's default.
         starts: Number of starts; None takes the method's default.
@@ -82,7 +87,7 @@ def plan(
         UnknownNameError: No such method, effort or solver.
         InputError: A number is out of range, or a function of your own returns something else.
     """
-    method = method or task.method or "global"
+    method = method or task.method or AIMS[task.aim]
     check_counts(starts, seed, jobs)
     if not isinstance(method, str):
         answer = method(task, seed=seed)

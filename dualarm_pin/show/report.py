@@ -11,6 +11,9 @@ import numpy as np
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.write import write_bytes
+from dualarm_pin.motion.record import Motion
+from dualarm_pin.show.motion_data import motion_data, tip_traces
+from dualarm_pin.show.motion_table import motion_rows
 from dualarm_pin.show.page import render_page
 from dualarm_pin.show.report_tables import tables_of, units_of
 from dualarm_pin.show.scene import Scene
@@ -20,9 +23,17 @@ if TYPE_CHECKING:
 
 
 def report_page(
-    results: Mapping[str, tuple[Task, Trajectory]], *, title: str = "dualarm_pin report"
+    results: Mapping[str, tuple[Task, Trajectory]],
+    *,
+    title: str = "dualarm_pin report",
+    motions: Mapping[str, Motion] | None = None,
 ) -> bytes:
     """Return the report as one page that needs no network.
+
+    Args:
+        results: Task and answer by label, at least one.
+        title: Title of the page, any text.
+        motions: Motions in time, by the label of their result.
 
     Raises:
         InputError: There is no result.
@@ -34,6 +45,10 @@ def report_page(
     for label, (task, trajectory) in results.items():
         checked = trajectory.checked
         run = scene.add(label, task, trajectory)
+        run["tips"] = tip_traces(scene.blob, task.cell, trajectory.q)
+        motion = (motions or {}).get(label)
+        if motion is not None:
+            run["motion"] = motion_data(scene.blob, task.cell, task.path, trajectory.q, motion)
         near, arms = checked.clearance, checked.arm_clearance
         unknown = np.isnan(checked.singular_value).all()
         run |= {
@@ -49,6 +64,9 @@ def report_page(
     scene.head["results"] = [
         {"title": name, "rows": rows} for name, rows in tables_of(list(results.values())).items()
     ]
+    if motions:
+        rows = motion_rows([motions.get(label) for label in results])
+        scene.head["results"].insert(1, {"title": "Motion", "rows": rows})
     return render_page(
         title, scene.pack(), body="report.html", scripts=("report.js",), styles=("report.css",)
     )
@@ -59,6 +77,7 @@ def write_report(
     results: Mapping[str, tuple[Task, Trajectory]],
     *,
     title: str = "dualarm_pin report",
+    motions: Mapping[str, Motion] | None = None,
 ) -> None:
     """Write the report of one or several results as one HTML file.
 
@@ -66,9 +85,10 @@ def write_report(
         file: Where it goes.
         results: Task and answer by label, at least one; several are compared on the same axes.
         title: Title of the page, any text.
+        motions: Motions in time, by the label of their result.
 
     Raises:
         InputError: There is no result, or the file cannot be written.
         ShapeError: A trajectory does not fit its task.
     """
-    write_bytes(pathlib.Path(file), report_page(results, title=title))
+    write_bytes(pathlib.Path(file), report_page(results, title=title, motions=motions))

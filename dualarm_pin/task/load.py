@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -10,6 +11,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
+from dualarm_pin.cell.known_limits import known_limits
 from dualarm_pin.clearance.spec import load_clearance
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.call import own_functions
@@ -48,6 +50,8 @@ def parts_of_task(
     with source.blamed():
         path = load_path(spec.path, source, own.get(("path",)))
         index = load_index(spec.index, own.get(("index",)))
+        if spec.index.kind == "torque" and index.joint_weights is None:
+            index = replace(index, joint_weights=known_limits(cell.joints, "effort") ** -2.0)
         row_functions = [own.get(("constraints", i)) for i in range(len(spec.constraints))]
         rows = load_rows(spec.constraints, row_functions, cell, path.h)
         smooth = spec.smoothness
@@ -64,6 +68,7 @@ def parts_of_task(
             "rows": rows,
             "clearance": load_clearance(spec.clearance, cell),
             "motion": spec.motion,
+            "aim": spec.aim,
             "name": source.path.stem,
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),
@@ -106,12 +111,5 @@ def _metric(smooth: SmoothnessSpec, cell: Cell) -> Array:
         return np.array(smooth.metric, dtype=float)
     if smooth.metric == "equal":
         return np.ones(cell.n)
-    unknown = [joint.name for joint in cell.joints if not joint.velocity]
-    if unknown:
-        raise InputError(
-            f"the velocity limit of {', '.join(unknown)} is unknown: give the metric as a list "
-            "of weights",
-            field="smoothness.metric",
-        )
-    limits = np.array([joint.velocity for joint in cell.joints], dtype=float)
+    limits = known_limits(cell.joints, "velocity", "; or give the metric as a list of weights")
     return np.asarray((np.mean(limits) / limits) ** 2)

@@ -57,6 +57,7 @@ class TaskSpec(Spec):
         constraints: What must hold at points of the path beside the pose.
         clearance: How far apart bodies must stay: a distance, more about it, or `off`.
         motion: How its answer runs in time, if that is asked.
+        aim: The smallest index, or the largest feed of the tool along the path: `index`, `feed`.
         method: How to plan it where the caller does not say: a name, or `call`, such as `global`.
         solver: The solver of that method: a name, or `call`, such as `engine`.
         module_dirs: Further folders in which the modules of `call` are found, such as `[./code]`.
@@ -70,6 +71,7 @@ class TaskSpec(Spec):
     constraints: list[RowSpec] = Field(default_factory=list)
     clearance: ClearanceSpec = ClearanceSpec()
     motion: MotionSpec | None = None
+    aim: Literal["index", "feed"] = "index"
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)

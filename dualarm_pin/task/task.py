@@ -6,7 +6,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from ruamel.yaml import YAML
@@ -46,6 +46,7 @@ class Task:
         clearance: How far apart bodies must stay: by default no pair may touch whose distance the
             path does not fix itself; None asks nothing.
         motion: How its answer runs in time, if that is asked.
+        aim: The smallest index, or the largest feed of the tool along the path.
         method: How to plan it where the caller does not say: a name, or a function (task, seed=...)
             that returns a `Trajectory`; None for the whole path at once.
         solver: The solver of that method where the caller does not say: a name, or a `Solver`.
@@ -64,6 +65,7 @@ class Task:
     rows: tuple[Row, ...] = ()
     clearance: ClearanceRule | None = UNSAID
     motion: MotionSpec | None = None
+    aim: Literal["index", "feed"] = "index"
     method: str | Callable[..., Any] | None = None
     solver: str | Solver | None = None
     name: str = "task"

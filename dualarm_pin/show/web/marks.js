@@ -37,6 +37,15 @@ DA.ribbon = function (points, values, range, radius) {
   return tube;
 };
 
+// A line through points of the world (flat x, y, z), seen through whatever is in front of it.
+DA.trace = function (points, colour) {
+  const T = MeshCat.THREE, geometry = new T.BufferGeometry();
+  geometry.setAttribute("position", new T.Float32BufferAttribute(Array.from(points), 3));
+  const line = new T.Line(geometry, new T.LineBasicMaterial({ color: colour, depthTest: false, transparent: true }));
+  line.renderOrder = 5;
+  return line;
+};
+
 DA.frame = function (size) {
   const T = MeshCat.THREE, group = new T.Group();
   const ends = [[[0, 0, -Math.PI / 2], "#d9383a"], [[0, 0, 0], "#2fa34a"], [[Math.PI / 2, 0, 0], "#2f6fde"]];

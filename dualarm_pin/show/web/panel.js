@@ -46,7 +46,7 @@ Object.assign(DA.Player.prototype, {
         box("force", "force ellipsoid", "inverse of J_r J_r^T, linear part: forces that unit joint torques balance"),
         box("velocity", "velocity ellipsoid", "J_r J_r^T, linear part: speeds that unit joint speeds reach"),
         head.runs.some((run) => run.near) ? box("distance", "nearest bodies", "the two bodies that are nearest; magenta where they are nearer than what is asked for") : null,
-        box("ghosts", "first (blue), last (orange)"), box("hold", "hold e1 still", "ride on the first tool: the motion as e1 sees it")),
+        box("ghosts", "first (blue), last (orange)"), box("traces", "traces of both tips", "where the tips go in the world: e1 blue, e2 orange"), box("hold", "hold e1 still", "ride on the first tool: the motion as e1 sees it")),
       this.scaleNote = n("p", { class: "note", hidden: true }),
       n("h2", {}, "Camera"), views,
       n("div", { class: "modes" }, n("button", { type: "button", onclick: () => DA.theme() }, "light / dark"), n("button", { type: "button", onclick: () => this.picture() }, "save picture")));

@@ -11,7 +11,7 @@ DA.Player = class {
     this.active = 0;
     this.chosen = new Set([0]);
     this.mode = "one";
-    this.show = { visual: true, collision: false, path: true, frames: true, force: false, velocity: false, direction: true, ghosts: false, hold: false, distance: true };
+    this.show = { visual: true, collision: false, path: true, frames: true, force: false, velocity: false, direction: true, ghosts: false, traces: false, hold: false, distance: true };
     this.views = new Map();
     this.build();
     this.start();
@@ -203,11 +203,30 @@ DA.Player = class {
       items.push(["nearest", `${near.value.toFixed(3)} m`]);
       this.readout.title = near.pair.names.join(" – ");
     }
+    const motion = this.run.motion;
+    if (motion) items.push(["time", `${this.secondsAt(this.t).toFixed(3)} / ${motion.duration.toFixed(3)} s`], ["held back by", motion.held_by[Math.round(at)]]);
     this.readout.replaceChildren(DA.h("b", {}, DA.h("i", { style: `background:${DA.colour(this.active)}` }), this.run.label), ...items.map(([k, v]) => DA.h("span", {}, `${k} `, DA.h("em", {}, v))));
   }
 
+  // Seconds of the motion at place t, and the place after so many seconds: real time.
+  secondsAt(t) {
+    const time = this.head.array(this.run.motion.time);
+    return DA.between(time, 1, t * (time.length - 1))[0];
+  }
+
+  placeAt(seconds) {
+    const time = this.head.array(this.run.motion.time), last = time.length - 1;
+    let k = 0;
+    while (k < last - 1 && time[k + 1] < seconds) k++;
+    const step = time[k + 1] - time[k];
+    return (k + (step > 0 ? Math.min((seconds - time[k]) / step, 1) : 1)) / last;
+  }
+
   advance(passed) {
-    const t = this.t + (passed / 1000 / this.seconds) * this.speed;
+    const ahead = (passed / 1000) * this.speed;
+    let t = this.t + ahead / this.seconds;
+    // A place that many points share in time is passed by at least a little.
+    if (this.run.motion) t = Math.max(this.placeAt(this.secondsAt(this.t) + ahead), this.t + 1e-9);
     this.seek(t >= 1 ? 1 : t);
     if (t >= 1) this.pause();
     this.slow = 0.9 * (this.slow ?? 30) + 0.1 * passed;

@@ -7,11 +7,12 @@
 //   play() pause() speed(x)
 //   select(k)      show run k
 //   layout(mode)   "one", "overlay" or "side"; compare(k, on) chooses the others
-//   show(name, on) visual collision path frames direction force velocity distance ghosts hold
+//   show(name, on) visual collision path frames direction force velocity distance ghosts traces hold
 //   look(view)     corner front side top close
 //   linkPose(name) {position: [x, y, z] m, quaternion: [x, y, z, w]} in the world of the cell
 //   nearest()      {names, distance [m], lacking}: the nearest bodies here, those too near
 //   index()        index at this place, interpolated
+//   seconds()      time of the motion at this place [s]; null without a motion
 window.dualarm = {};
 window.dualarm.ready = (async () => {
   const fail = (text) => {
@@ -44,6 +45,7 @@ window.dualarm.ready = (async () => {
       return near && { names: near.pair.names, distance: near.value, lacking: near.lacking };
     },
     index: () => DA.between(player.on_stage[0].index, 1, player.t * (player.on_stage[0].h - 1))[0],
+    seconds: () => (player.run.motion ? player.secondsAt(player.t) : null),
     player,
   });
   if (head.results) DA.report(player, head);

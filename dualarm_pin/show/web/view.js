@@ -33,10 +33,11 @@ DA.View = class {
         return ghost.root;
       }),
     };
-    const { path, frames, force, velocity, direction, ghosts } = this.marks;
+    this.marks.traces = (run.tips || []).map((tip, k) => DA.trace(head.array(tip), k ? "#D55E00" : "#0072B2"));
+    const { path, frames, force, velocity, direction, ghosts, traces } = this.marks;
     this.e1().add(path[0], frames[0], force[0], velocity[0], direction[0]);
     this.robot.frames.get("e2").add(frames[1]);
-    this.group.add(...ghosts);
+    this.group.add(...ghosts, ...traces);
     this.nearest = run.near ? new DA.Nearest(head, run, this.robot, reach) : null;
     if (this.nearest) this.group.add(this.nearest.group);
   }
