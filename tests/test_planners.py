@@ -185,7 +185,7 @@ def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
         nonlocal batches
         ends = solve_many(*arguments, **options)  # type: ignore[arg-type]
         batches += 1
-        return replace(ends, interrupted=True) if batches == 3 else ends
+        return replace(ends, interrupted=True) if batches == 4 else ends
 
     monkeypatch.setattr(engine, "solve_many", stop_when_the_first_paths_are_refined)
     answer = plan_global(task, effort="normal", seed=0)

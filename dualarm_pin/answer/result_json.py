@@ -89,6 +89,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
     content = {
         "verdict": evidence.verdict,
         "laws": {name: asdict(law) for name, law in evidence.laws.items()},
+        "searches": evidence.searches and asdict(evidence.searches),
         "missed_share_95": evidence.missed_share_95,
         "stationarity": local and local.stationarity,
         "curvature_min": local and local.curvature_min,

@@ -10,6 +10,8 @@ from dualarm_pin.tolerance import TOLERANCE
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
+_SENTENCES = 2  # of the evidence: how sure, and what was checked
+
 
 def summary(task: Task, trajectory: Trajectory) -> str:
     """Return a result as a few lines of text."""
@@ -36,7 +38,8 @@ def summary(task: Task, trajectory: Trajectory) -> str:
         + (f", {t.timing.compile_s:.1f} s of it compiling" if t.timing.compile_s else ""),
     ]
     if t.evidence.sentences:
-        lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
+        # The rest is in result.json and the report.
+        lines.append("evidence     " + ("\n" + " " * 13).join(_first(t.evidence.sentences)))
     return "\n".join(lines)
 
 
@@ -44,6 +47,10 @@ def _smoothing(trajectory: Trajectory) -> str:
     """Return what to know of the objective, where a smooth index was minimised."""
     error = trajectory.checked.smoothing_error
     return f", of a smooth index {error:.1g} from the true one at most" if error else ""
+
+
+def _first(sentences: str) -> list[str]:
+    return sentences.split("\n")[:_SENTENCES]
 
 
 def _rows(trajectory: Trajectory) -> list[str]:

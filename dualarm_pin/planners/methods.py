@@ -35,7 +35,7 @@ class PlannerEntry:
         function: Called with the task, `seed`, `progress` and what of the rest it takes.
         solvers: What `--solver` may name, and what the function gets for it.
         keyword: Under which keyword it gets that.
-        options: Which of `effort`, `starts` and `jobs` it takes.
+        options: Which of `effort`, `starts`, `jobs` and `time_limit` it takes.
     """
 
     function: Callable[..., Trajectory]
@@ -45,7 +45,9 @@ class PlannerEntry:
 
 
 METHODS: dict[str, PlannerEntry] = {
-    "global": PlannerEntry(plan_global, SOLVERS, options=("effort", "starts", "jobs")),
+    "global": PlannerEntry(
+        plan_global, SOLVERS, options=("effort", "starts", "jobs", "time_limit")
+    ),
     "two-stage": PlannerEntry(plan_two_stage, SOLVERS, options=("starts", "jobs")),
     "local": PlannerEntry(plan_local, {name: name for name in VARIANTS}, "variant"),
     "casadi": PlannerEntry(plan_casadi, {name: name for name in PLUGINS}, "plugin"),
@@ -60,6 +62,7 @@ def plan(
     effort: str = "normal",
     solver: str | Solver | None = None,
     starts: int | None = None,
+    time_limit: float | None = None,
     seed: int = 0,
     jobs: int | None = None,
     progress: Progress = SILENT,
@@ -74,6 +77,7 @@ def plan(
         solver: A name that the method knows, or a `Solver` where it takes any; None takes that of
             the task, else the method's default.
         starts: Number of starts; None takes the method's default.
+        time_limit: Seconds after which the search is cut, for the global method.
         seed: Seed of the starts.
         jobs: Threads or processes; None takes the processors there are.
         progress: Told where the work stands.
@@ -90,6 +94,8 @@ def plan(
     ):
         if number is not None and not least <= number <= most:
             raise InputError(f"{least} to {most} is expected; given {number}", field=f"--{name}")
+    if time_limit is not None and not time_limit > 0.0:
+        raise InputError(f"seconds above 0 are expected; given {time_limit}", field="--time-limit")
     if not isinstance(method, str):
         answer = method(task, seed=seed)
         if not isinstance(answer, Trajectory):
@@ -98,7 +104,7 @@ def plan(
     _known("method", method, METHODS)
     _known("effort", effort, EFFORTS)
     entry = METHODS[method]
-    given = {"effort": effort, "starts": starts, "jobs": jobs}
+    given = {"effort": effort, "starts": starts, "jobs": jobs, "time_limit": time_limit}
     arguments: dict[str, Any] = {n: given[n] for n in entry.options if given[n] is not None}
     solver = solver or task.solver
     if isinstance(solver, str):
