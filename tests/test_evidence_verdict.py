@@ -195,7 +195,7 @@ def test_searches_that_shared_nothing_speak_for_each_other(
     assert said in first
     if kind == "rounds" and found.hits < 2:
         assert "up to 4 % above it: expect a better one from --effort normal" in first
-    kept = result_json(replace(answer(), evidence=evidence))["evidence"]["searches"]
+    kept = result_json(replace(answer(), evidence=evidence))["evidence"]["details"]["searches"]
     assert kept["hops"] == 70
     assert evidence.sentences.split("\n")[1].startswith("Strict local minimum")
 

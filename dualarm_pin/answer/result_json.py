@@ -89,7 +89,6 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
     content = {
         "verdict": evidence.verdict,
         "laws": {name: asdict(law) for name, law in evidence.laws.items()},
-        "searches": evidence.searches and asdict(evidence.searches),
         "missed_share_95": evidence.missed_share_95,
         "stationarity": local and local.stationarity,
         "curvature_min": local and local.curvature_min,
@@ -104,6 +103,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
         "local": local.kind,
         "near_singular": local.near_singular,
         "costliest_joint": local.costliest_joint,
+        "searches": evidence.searches and asdict(evidence.searches),
         "laws_agree": evidence.laws_agree,
         "unseen_share": {name: law.unseen_share for name, law in evidence.laws.items()},
         "expected_better": {name: law.expected_better for name, law in evidence.laws.items()},

@@ -342,10 +342,14 @@ class _Batch:
 _ROOMS = threading.local()
 
 
-def workspace_for(problem: Problem) -> Workspace:
+def workspace_for(problem: Problem, path: Problem | None = None) -> Workspace:
     """Return room for this thread and this shape of problem, kept from one batch to the next.
 
     One point alone has room of its own: walks and whole paths take turns.
+
+    Args:
+        problem: What is solved.
+        path: The path whose points, with their rows, are put into the problem one by one.
     """
     shape = (problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
     rooms: dict[bool, tuple[object, Workspace]] = _ROOMS.__dict__.setdefault("rooms", {})
@@ -353,8 +357,7 @@ def workspace_for(problem: Problem) -> Workspace:
     if work is None or known != shape:
         work = _new_workspace(problem)
         rooms[problem.k == 1] = shape, work
-    else:
-        _set_calls(problem, work)
+    _set_calls(path or problem, work)
     return work
 
 

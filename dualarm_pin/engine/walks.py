@@ -86,7 +86,7 @@ def walk_many(
         one = _own_point(path)
         entries.solve_items(
             one,
-            workspace_for(one),
+            workspace_for(one, path),
             settings,
             False,
             items,
