@@ -28,7 +28,6 @@ from dualarm_pin.tolerance import TOLERANCE
 Array = NDArray[np.float64]
 _BATCH = 8  # hops made at once ...
 _BATCH_COST = 0.1  # ... or fewer, where 20 iterations of each would cost more than this [s]
-_PLACES = 2  # points disturbed in a batch: every window costs a call of its own
 _LOG_SHIFT = (np.log(0.3), np.log(3.0))  # rad, of all joints together
 _SCALES = 10.0 ** np.arange(-1, 3)  # of the links while walking
 _ITERATIONS = 60
@@ -87,7 +86,7 @@ class Hops:
         most = int(_BATCH_COST / self.work.seconds(20.0 * w))
         batch = np.arange(max(1, min(_BATCH, most)))
         base = np.array([pool.paths[pool.pick(random)] for _ in batch])
-        at = np.resize(random.integers(0, k, _PLACES), len(batch))
+        at = random.integers(0, k, len(batch))
         first = np.clip(at - w // 2, 0, k - w)
         shift = random.normal(size=(len(batch), n))
         shift /= np.linalg.norm(shift, axis=1, keepdims=True)
