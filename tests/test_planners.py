@@ -201,3 +201,23 @@ def test_the_whole_path_is_found_alike_for_any_number_of_threads(task: Task, job
     assert answer.objective == pytest.approx(12.730887, abs=2e-6)
     again = plan(task, "global", effort="quick", seed=3, jobs=2)
     np.testing.assert_array_equal(again.q, answer.q)
+
+
+def test_a_time_limit_cuts_the_search_and_says_so(task: Task) -> None:
+    answer = plan(task, "global", effort="thorough", seed=0, jobs=1, time_limit=0.05)
+    assert answer.found
+    assert answer.notes.interrupted
+    assert answer.evidence.bound is None
+    with pytest.raises(ValueError, match="--time-limit: seconds above 0"):
+        plan(task, "global", time_limit=0.0)
+
+
+def test_independent_searches_that_agree_end_the_search_early(task: Task) -> None:
+    answer = plan(task, "global", effort="normal", seed=1, jobs=2)
+    searches = answer.evidence.searches
+    assert searches is not None
+    assert searches.kind == "searches"
+    assert searches.agree
+    assert answer.evidence.verdict == "best_known"
+    assert not answer.notes.interrupted
+    assert searches.hops > 0
