@@ -22,6 +22,7 @@ from dualarm_pin.search.anchored import AnchoredLaw
 from dualarm_pin.search.hops import Hops
 from dualarm_pin.search.independent import IndependentSearch
 from dualarm_pin.search.law import Counted, Drawn, Joined, Law
+from dualarm_pin.search.track import Round
 from dualarm_pin.search.whole_path import WholePathLaw
 from dualarm_pin.search.work import Work
 from dualarm_pin.solution import Solutions
@@ -56,7 +57,7 @@ class Budget:
 
 
 BUDGETS: dict[str, Budget] = {
-    "quick": Budget(1.35),
+    "quick": Budget(1.2, check=0.06),
     "normal": Budget(15.0, 3, 2.0, 2.5, 300, 0.4),
     "thorough": Budget(48.0, 4, 6.0, 12.0, 1000, 1.0, bound=True),
 }
@@ -65,8 +66,9 @@ _LEAST = 0.15  # share of its work that a search does before its agreement with 
 _STEP = 50  # starts of each further law between two looks
 _UNSEEN = 0.5  # with more singletons among the minima of single points, most were never seen
 _LOST = 3  # rounds that came to no path, after which walks are given up
-# Of the anchored law, where another solver is asked for: postures, minima screened, paths refined.
+# Of the anchored law: postures, minima screened, paths refined; rounds where no search walks.
 _SCOUT, _SCOUTS = (250, 12, 3), 4
+_FIRST, _SMALL = Round(80, 8, 10, 4, 3), (150, 8, 2)  # enough where single points have few minima
 
 
 class Search:
@@ -160,7 +162,8 @@ class Search:
             lost = not one.pool.paths and len(one.track.rounds) >= _LOST
             if lost or not one.track.reachable:
                 return
-            one.step()
+            few = len(self.independent) == 1 and not one.track.rounds
+            one.step(_FIRST if few else None)
             if self._settled():
                 return
 
@@ -183,7 +186,7 @@ class Search:
 
     def _scout(self) -> None:
         """Anchors alone, while they disagree: each time with twice the postures."""
-        postures, screened, refined = _SCOUT
+        postures, screened, refined = _SMALL if self.independent else _SCOUT
         anchored = self.further[0]
         most = postures if self._postures is None else min(postures, self._postures)
         for level in range(_SCOUTS if not self.independent else 1):

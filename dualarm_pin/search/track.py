@@ -51,7 +51,7 @@ class Round:
     fine: int = 5
 
 
-_LONG, _COARSE_POINTS = 100, 48  # a longer path is walked and raced on that many points
+_LONG, _COARSE_POINTS = 40, 32  # a longer path is walked and raced on that many points
 _FINE_SHARE = 0.25  # s: what the fine refinements of one round may cost at 40 iterations each
 _ALONE = Options(1e-4, 60)  # a start that needs more hardly ever converges
 _RACE_ITERATIONS = 6  # after these the objective ranks paths far better than before the first
