@@ -14,7 +14,6 @@ from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.evidence.laws import count_laws
-from dualarm_pin.planners.effort import BUDGETS, Search
 from dualarm_pin.planners.forbidden import forbidden
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.progress import SILENT, Progress
@@ -61,6 +60,7 @@ def plan_global(
     """
     from dualarm_pin.evidence.check import check_minimum
     from dualarm_pin.evidence.verdict import Findings, conclude
+    from dualarm_pin.planners.effort import BUDGETS, Search
 
     budget = BUDGETS[effort]
     problem = task.problem()
