@@ -274,7 +274,7 @@ class Problem:
         """Equality rows of each point (k,), pose rows first."""
         return np.asarray(self.points.pose_rows + self.equalities.size)
 
-    def window(self, first: int, k: int, *, linked: tuple[bool, bool] = (False, False)) -> Problem:
+    def window(self, first: int, k: int, *, linked: bool = False) -> Problem:
         """Return the problem over k neighbouring points; a view, nothing is copied.
 
         A fixed neighbour counts where the path ends.
@@ -282,18 +282,18 @@ class Problem:
         Args:
             first: First point.
             k: How many.
-            linked: Weigh the neighbour before, and that after the window, as its link does; their
+            linked: Weigh the neighbours before and after the window as their links do; their
                 postures come with the solve.
         """
         after = first + k
         weight = np.zeros(2)
         if first == 0:
             weight[0] = self.neighbours.weight[0]
-        elif linked[0]:
+        elif linked:
             weight[0] = self.links.weight[first - 1]
         if after == self.k:
             weight[1] = self.neighbours.weight[1]
-        elif linked[1]:
+        elif linked:
             weight[1] = self.links.weight[after - 1]
         return self._taken(
             slice(first, after), self.links.weight[first:after], weight, self.neighbours.posture

@@ -12,6 +12,9 @@ class Progress:
     def advance(self, steps: int = 1) -> None:
         """Count steps of the stage."""
 
+    def note(self, text: str) -> None:
+        """Show beside the stage what is known so far."""
+
     def line(self, text: str) -> None:
         """Say one line that stays."""
 

@@ -147,7 +147,7 @@ class Solutions:
         )
 
 
-STATUS = ("converged", "iteration limit", "infeasible", "stalled", "not run")
+STATUS = ("converged", "iteration limit", "infeasible", "stalled", "not run", "dropped")
 _ARRAYS = [f.name for f in fields(Solutions) if f.name not in ("size", "interrupted")]
 
 

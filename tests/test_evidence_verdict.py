@@ -11,7 +11,7 @@ import pytest
 from answers import answer
 from evidence_cases import minima_of_six, six_points
 
-from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck
+from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, Searches
 from dualarm_pin.answer.result_json import result_json
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.evidence import examine
@@ -170,9 +170,34 @@ def test_the_sentences_of_a_full_run() -> None:
 def test_without_a_bound_the_stopping_rule_is_printed() -> None:
     assert "(1000 for a published number)" in STOPPING_RULE
     for laws, end in (("two", "; met here."), ("few hits", "; not met here.")):
-        line = conclude(findings("strict", laws, "none")).sentences.split("\n")[1]
+        line = conclude(findings("strict", laws, "none")).sentences.split("\n")[2]
         assert STOPPING_RULE in line
         assert line.endswith(end)
+
+
+@pytest.mark.parametrize(
+    ("kind", "objectives", "verdict", "said"),
+    [
+        ("searches", (5.0, 5.0001, 5.0), "best_known", "3 of 3 independent searches found"),
+        ("searches", (5.0, 5.1, 5.0), "local_only", "2 of 3 independent searches found this value"),
+        ("searches", (5.0, 5.0), "local_only", "2 of 2 independent searches"),
+        ("rounds", (5.0, 5.0, 5.0), "local_only", "found by 3 rounds each by itself"),
+        ("rounds", (5.2, 5.1, np.inf), "local_only", "no round alone found it"),
+    ],
+)
+def test_searches_that_shared_nothing_speak_for_each_other(
+    kind: str, objectives: tuple[float, ...], verdict: str, said: str
+) -> None:
+    found = Searches(kind, objectives, 5.0, 70)  # type: ignore[arg-type]
+    evidence = conclude(Findings(STRICT, searches=found))
+    assert evidence.verdict == verdict
+    first = evidence.sentences.split("\n")[0]
+    assert said in first
+    if kind == "rounds" and found.hits < 2:
+        assert "up to 4 % above it: expect a better one from --effort normal" in first
+    kept = result_json(replace(answer(), evidence=evidence))["evidence"]["details"]["searches"]
+    assert kept["hops"] == 70
+    assert evidence.sentences.split("\n")[1].startswith("Strict local minimum")
 
 
 def ends(*minimum: int, converged: int | None = None) -> Solutions:

@@ -118,7 +118,7 @@ def test_an_unknown_variant_method_or_effort_is_refused(task: Task) -> None:
         plan(task, "two_stage")
     with pytest.raises(UnknownNameError, match="allowed: quick, normal, thorough"):
         plan(task, "global", effort="hasty")
-    with pytest.raises(ValueError, match="--starts: at least 1"):
+    with pytest.raises(ValueError, match="--starts: 1 to"):
         plan(task, "global", starts=0)
 
 
@@ -185,7 +185,7 @@ def test_ctrl_c_in_the_engine_keeps_the_starts_that_were_finished(
         nonlocal batches
         ends = solve_many(*arguments, **options)  # type: ignore[arg-type]
         batches += 1
-        return replace(ends, interrupted=True) if batches == 3 else ends
+        return replace(ends, interrupted=True) if batches == 4 else ends
 
     monkeypatch.setattr(engine, "solve_many", stop_when_the_first_paths_are_refined)
     answer = plan_global(task, effort="normal", seed=0)
@@ -201,3 +201,23 @@ def test_the_whole_path_is_found_alike_for_any_number_of_threads(task: Task, job
     assert answer.objective == pytest.approx(12.730887, abs=2e-6)
     again = plan(task, "global", effort="quick", seed=3, jobs=2)
     np.testing.assert_array_equal(again.q, answer.q)
+
+
+def test_a_time_limit_cuts_the_search_and_says_so(task: Task) -> None:
+    answer = plan(task, "global", effort="thorough", seed=0, jobs=1, time_limit=0.05)
+    assert answer.found
+    assert answer.notes.interrupted
+    assert answer.evidence.bound is None
+    with pytest.raises(ValueError, match="--time-limit: seconds above 0"):
+        plan(task, "global", time_limit=0.0)
+
+
+def test_independent_searches_that_agree_end_the_search_early(task: Task) -> None:
+    answer = plan(task, "global", effort="normal", seed=1, jobs=2)
+    searches = answer.evidence.searches
+    assert searches is not None
+    assert searches.kind == "searches"
+    assert searches.agree
+    assert answer.evidence.verdict == "best_known"
+    assert not answer.notes.interrupted
+    assert searches.hops > 0

@@ -8,21 +8,24 @@ import numpy as np
 import pytest
 from paper_case import TASK
 
+from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import violation
 from dualarm_pin.search.hops import Hops
+from dualarm_pin.search.independent import IndependentSearch
+from dualarm_pin.search.pool import Pool
+from dualarm_pin.search.splice import splices
 from dualarm_pin.search.track import Round, TrackLaw
-from dualarm_pin.search.turns import draw_postures, fold, wide_joints
-from dualarm_pin.search.walk import walk
+from dualarm_pin.search.turns import Turns
+from dualarm_pin.search.work import Work
+from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.task import Task
-
-SMALL = Round(postures=40, minima=6)
 
 
 @pytest.fixture(scope="module")
 def round_of(problem: Problem) -> TrackLaw:
     law = TrackLaw(problem, seed=0, jobs=1)
-    law.round(Round())
+    law.round()
     return law
 
 
@@ -40,69 +43,126 @@ def test_a_round_finds_the_best_known_path(round_of: TrackLaw) -> None:
     drawn = round_of.drawn()
     assert drawn is not None
     assert drawn.ends.objective[drawn.ends.converged].min() == pytest.approx(12.730887, abs=1e-5)
-    assert drawn.starts == 36
-    assert round_of.work > 0
+    assert drawn.starts == 3 * Round().postures
+    assert round_of.rounds == [round_of.pool.best]
+    assert 0.0 < round_of.unseen < 0.5
+    assert round_of.work.spent > 0.0
 
 
 @pytest.mark.parametrize("points", [31, 61])
-def test_the_same_seed_gives_the_same_ends_for_any_number_of_threads(points: int) -> None:
+def test_the_same_seed_gives_the_same_pool_for_any_number_of_threads(points: int) -> None:
     third = (points - 1) // 3
     split = f"path.corner.points=[{third}, {points - 2 * third}, {third}]"
     problem = Task.load(TASK, [split, "two_stage={}"]).problem()
-    ends = []
+    pools, spent = [], []
     for jobs in (1, 2):
-        law, hops = TrackLaw(problem, seed=5, jobs=jobs), Hops(problem, seed=5, jobs=jobs)
-        law.round(SMALL)
-        drawn = law.drawn()
-        assert drawn is not None
-        assert drawn.ends.q.shape[1:] == (points, 12)
-        hops.hop(drawn.ends)
-        hops.hop(drawn.ends)
-        assert hops.ends is not None
-        ends.append((drawn.ends.q, hops.ends.q, law.work, hops.work))
-    for one, two in zip(*ends, strict=True):
-        np.testing.assert_array_equal(one, two)
+        search = IndependentSearch(problem, seed=5, jobs=jobs)
+        for _ in range(5):
+            search.step()
+        assert search.hops.made > 0
+        pools.append(search.pool)
+        spent.append(search.work.spent)
+    assert spent[0] == spent[1]
+    np.testing.assert_array_equal(pools[0].paths, pools[1].paths)
+    assert pools[0].paths[0].shape == (points, 12)
+
+
+def test_searches_of_one_seed_share_no_random_numbers(problem: Problem) -> None:
+    one, other = (IndependentSearch(problem, seed=0, number=number, jobs=1) for number in (0, 1))
+    one.step(Round(postures=20))
+    other.step(Round(postures=20))
+    assert not np.array_equal(one.pool.objectives, other.pool.objectives)
 
 
 def test_a_walk_follows_the_path_in_small_steps(problem: Problem, round_of: TrackLaw) -> None:
-    drawn = round_of.drawn()
-    assert drawn is not None
-    best = drawn.best
-    assert best is not None
-    paths, work = walk(problem, [15, 0], best[[15, 0]], jobs=1)
-    assert paths.shape == (2, 31, 12)
-    np.testing.assert_array_equal(paths[[0, 1], [15, 0]], best[[15, 0]])
-    for path in paths:
+    best = round_of.pool.paths[0]
+    walked = engine.walk_many(problem, best[[15, 0]], [15, 0], jobs=1)
+    assert walked.q.shape == (2, 31, 12)
+    assert walked.reached.all()
+    np.testing.assert_array_equal(walked.q[[0, 1], [15, 0]], best[[15, 0]])
+    for path in walked.q:
         assert violation(problem, path) < 1e-2  # near its poses: only a start of what is refined
         assert np.abs(np.diff(path, axis=0)).max() < 0.6
-    assert 30 <= work <= 25 * 60
+    assert 30 <= walked.steps <= 25 * 60
+
+
+def test_a_walk_stays_in_its_window_and_stops_where_it_is_lost(
+    problem: Problem, round_of: TrackLaw
+) -> None:
+    best = round_of.pool.paths[0]
+    window = engine.walk_many(problem, best[[12]], [12], first=10, points=5, scale=10.0, jobs=1)
+    assert window.q.shape == (1, 5, 12)
+    assert violation(problem.window(10, 5), window.q[0]) < 1e-2
+    far = problem.with_points(position=problem.points.position + np.array([0, 0, 9]))
+    lost = engine.walk_many(far, best[[15]], [15], jobs=1)
+    assert not lost.reached.any()
+    with pytest.raises(InputError, match="leaves the path"):
+        engine.walk_many(problem, best[[12]], [12], first=28, points=5)
+
+
+def test_a_start_above_its_limit_is_dropped_and_no_other(
+    problem: Problem, round_of: TrackLaw
+) -> None:
+    q = np.array([round_of.pool.paths[0]] * 2)
+    q += np.random.default_rng(0).normal(scale=0.05, size=q.shape)
+    best = round_of.pool.best
+    ends = engine.solve_many(problem, q, limit=[best + 1e-3, -1e9], jobs=1)
+    assert ends.converged.tolist() == [True, False]
+    assert ends[1].message == "dropped"
+    assert ends.iterations[1] < ends.iterations[0]
 
 
 def test_full_turns_are_one_posture(wide: Problem) -> None:
-    assert wide_joints(wide).all()
-    q = np.random.default_rng(0).uniform(-1.0, 1.0, (4, 5, 12)) * 0.5
-    turned = q + 2.0 * np.pi * np.random.default_rng(1).integers(-1, 2, (4, 1, 12)) * 0.9999
-    inside = np.clip(turned, wide.lower, wide.upper)
-    np.testing.assert_allclose(fold(wide, inside), q, atol=0.6)
-    drawn = draw_postures(wide, 200, np.random.default_rng(2))
-    assert np.abs(drawn).max() <= np.pi
-    assert np.abs(drawn).max() > 3.0
+    turns = Turns(wide)
+    assert turns.wide.all()
+    q = np.random.default_rng(0).uniform(-0.5, 0.5, (4, 5, 12))
+    turned = q + 2.0 * np.pi * np.random.default_rng(1).integers(-1, 2, (4, 1, 12))
+    np.testing.assert_allclose(turns.folded(turned), q, atol=1e-12)
+    assert np.all(turns.upper - turns.lower < 2.0 * np.pi + 1e-12)
+    assert np.all(turns.widened(wide).upper > wide.upper + 6.0)
 
 
-def test_a_path_that_spans_too_much_stays(wide: Problem, problem: Problem) -> None:
-    long = np.linspace(-6.2, 6.2, 5)[None, :, None] * np.ones(12)
-    np.testing.assert_array_equal(fold(wide, long), long)
+def test_joints_that_make_no_full_turn_stay(problem: Problem) -> None:
     q = np.random.default_rng(0).uniform(problem.lower, problem.upper, (3, 5, 12))
-    np.testing.assert_array_equal(fold(problem, q), q)  # no joint here makes a full turn
+    turns = Turns(problem)
+    np.testing.assert_array_equal(turns.folded(q), q)
+    np.testing.assert_array_equal(turns.lower, problem.lower)
 
 
-def test_hops_never_lose_what_was_known(problem: Problem, round_of: TrackLaw) -> None:
-    drawn = round_of.drawn()
-    assert drawn is not None
-    worse = drawn.ends.take(np.flatnonzero(drawn.ends.objective > 13.0))
-    hops = Hops(problem, seed=1, jobs=2)
+def test_hops_go_downhill_from_a_worse_path(problem: Problem, round_of: TrackLaw) -> None:
+    pool, work = Pool(), Work(problem)
+    for q, value in zip(round_of.pool.paths, round_of.pool.objectives, strict=True):
+        if value > 13.0:
+            pool.offer(q, value)
+    worse = pool.best
+    hops = Hops(problem, 1, pool, work, jobs=1)
     for _ in range(6):
-        hops.hop(worse)
-    assert hops.ends is not None
-    found = hops.ends.objective[hops.ends.converged].min()
-    assert found < worse.objective[worse.converged].min()  # downhill from its own pool
+        hops.make()
+    assert pool.best < worse
+    assert pool.objectives == sorted(pool.objectives)
+    assert problem.objective(pool.paths[0]) == pytest.approx(pool.best)
+
+
+def test_a_splice_joins_the_cheap_halves_of_two_paths() -> None:
+    problem = replace_links(Task.load(TASK).problem())
+    paths = np.zeros((3, 31, 12))
+    paths[1] += 0.01
+    paths[2] += 0.02
+    values = np.ones((3, 31))
+    values[0, :15] = values[1, 15:] = 0.0
+    joined = next(splices(problem, paths, values, np.random.default_rng(1)))
+    np.testing.assert_array_equal(joined[:15], paths[0, :15])
+    np.testing.assert_array_equal(joined[15:], paths[1, 15:])
+
+
+def replace_links(problem: Problem) -> Problem:
+    return replace(problem, links=problem.links._replace(weight=problem.links.weight * 1e-3))
+
+
+def test_a_pool_keeps_the_best_of_one_valley_in_order() -> None:
+    pool = Pool()
+    q = np.zeros((3, 2))
+    for value, shift in ((2.0, 0.0), (1.0, 1.0), (1.0005, 1.1), (0.9995, 1.1), (3.0, 5.0)):
+        pool.offer(q + shift, value)
+    assert pool.objectives == [0.9995, 2.0, 3.0]
+    assert pool.merged([pool]).objectives == pool.objectives

@@ -20,6 +20,8 @@ Kind = Literal["not_stationary", "saddle", "flat_minimum", "strict_minimum"]
 Number = Annotated[float, BeforeValidator(lambda value: nan if value is None else value)]
 """A number that a file writes as null where it is not finite."""
 Count = Annotated[int, Field(ge=0, le=2**53)]
+SAME_ANSWER = 1e-4  # share of the objective below which two searches found the same
+LEAST_SEARCHES = 3
 CONDITION = "valid as far as no piece search missed a minimum"
 
 
@@ -202,12 +204,47 @@ class Bound:
 
 
 @dataclass(frozen=True)
+class Searches:
+    """Tries that shared nothing: their agreement is evidence, that of hops within one is none.
+
+    Attributes:
+        kind: Whole searches with starts and hops of their own, or the rounds of starts of one.
+        objectives: The lowest objective of each; not finite where it found nothing.
+        best: The objective of the answer.
+        hops: Moves from paths that were found before; they count for nothing.
+    """
+
+    kind: Literal["searches", "rounds"]
+    objectives: tuple[Number, ...]
+    best: Number
+    hops: Count = 0
+
+    @property
+    def above(self) -> tuple[float, ...]:
+        """By which share of its size each lies above the answer, ascending."""
+        size = max(1e-12, abs(self.best))
+        return tuple(sorted((value - self.best) / size for value in self.objectives))
+
+    @property
+    def hits(self) -> int:
+        """How many of them found the answer."""
+        return sum(above <= SAME_ANSWER for above in self.above)
+
+    @property
+    def agree(self) -> bool:
+        """Whether three searches or more all found the answer."""
+        whole = self.kind == "searches" and len(self.objectives) >= LEAST_SEARCHES
+        return whole and self.hits == len(self.objectives)
+
+
+@dataclass(frozen=True)
 class Evidence:
     """What is known about the optimum; None is what the effort did not cover.
 
     Attributes:
         verdict: `local_only`, `best_known` or `best_known_bounded`.
         laws: Counts by the name of the start law.
+        searches: What searches that shared nothing found.
         missed_share_95: A better optimum that these starts can reach draws less than this share
             of them (95 %).
         laws_agree: Both laws ended at this path; None without two laws.
@@ -220,6 +257,7 @@ class Evidence:
 
     verdict: Verdict = "local_only"
     laws: Mapping[str, LawCount] = field(default_factory=dict)
+    searches: Searches | None = None
     missed_share_95: float | None = None
     laws_agree: bool | None = None
     stopping_rule: str = ""

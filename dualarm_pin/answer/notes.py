@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GlobalNotes:
-    """Of the whole path at once: the effort asked for, and whether Ctrl-C cut it short."""
+    """Of the whole path at once: the effort, and whether Ctrl-C or a time limit cut it short."""
 
     effort: str
     interrupted: bool

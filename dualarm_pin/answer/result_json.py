@@ -106,6 +106,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
         "local": local.kind,
         "near_singular": local.near_singular,
         "costliest_joint": local.costliest_joint,
+        "searches": evidence.searches and asdict(evidence.searches),
         "laws_agree": evidence.laws_agree,
         "unseen_share": {name: law.unseen_share for name, law in evidence.laws.items()},
         "expected_better": {name: law.expected_better for name, law in evidence.laws.items()},

@@ -10,6 +10,8 @@ from dualarm_pin.tolerance import TOLERANCE
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
+_SENTENCES = 2  # of the evidence: how sure, and what was checked
+
 
 def summary(task: Task, trajectory: Trajectory) -> str:
     """Return a result as a few lines of text."""
@@ -37,7 +39,8 @@ def summary(task: Task, trajectory: Trajectory) -> str:
         + (f", {t.timing.compile_s:.1f} s of it compiling" if t.timing.compile_s else ""),
     ]
     if t.evidence.sentences:
-        lines.append("evidence     " + t.evidence.sentences.replace("\n", "\n" + " " * 13))
+        # The rest is in result.json and the report.
+        lines.append("evidence     " + ("\n" + " " * 13).join(_first(t.evidence.sentences)))
     return "\n".join(lines)
 
 
@@ -71,6 +74,10 @@ def _between(trajectory: Trajectory) -> str:
         text = f"; between the points {least:.3f} m"
     text += f" ({_LEVELS[apart.level]})"
     return text if apart.kept else f"{text}\n{' ' * 13}NOT KEPT: {apart.worst}"
+
+
+def _first(sentences: str) -> list[str]:
+    return sentences.split("\n")[:_SENTENCES]
 
 
 def _rows(trajectory: Trajectory) -> list[str]:

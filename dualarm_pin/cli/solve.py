@@ -19,6 +19,7 @@ def solve(
     effort: Literal["quick", "normal", "thorough"] = "normal",
     solver: str | None = None,
     starts: int | None = None,
+    time_limit: float | None = None,
     seed: int = 0,
     jobs: int | None = None,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
@@ -36,6 +37,7 @@ def solve(
         solver: Solver of the method: engine, nlopt-slsqp, ipopt or fatrop for global and
             two-stage; free, clamped or qp for local.
         starts: Number of starts.
+        time_limit: Seconds after which the search is cut; for the global method.
         seed: Seed of the starts: the same seed gives the same answer.
         jobs: Threads or processes to use; all processors by default.
         set_: Change a field of the task or cell: key=value, such as smoothness=30.
@@ -66,6 +68,7 @@ def solve(
             effort=effort,
             solver=solver,
             starts=starts,
+            time_limit=time_limit,
             seed=seed,
             jobs=jobs,
             progress=progress,

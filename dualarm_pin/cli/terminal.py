@@ -26,6 +26,7 @@ class TerminalProgress(Progress):
             console=self._console,
             transient=True,
         )
+        self._stage = ""
         self._task = None if not self._live else self._bars.add_task("", visible=False)
 
     def __enter__(self) -> TerminalProgress:
@@ -44,6 +45,7 @@ class TerminalProgress(Progress):
 
     def stage(self, text: str, total: int | None = None) -> None:
         """Begin a stage of `total` steps, or of unknown length."""
+        self._stage = text
         if self._task is None:
             self.line(text)
         else:
@@ -53,6 +55,11 @@ class TerminalProgress(Progress):
         """Count steps of the stage."""
         if self._task is not None:
             self._bars.advance(self._task, steps)
+
+    def note(self, text: str) -> None:
+        """Show beside the stage what is known so far; nothing where there is no terminal."""
+        if self._task is not None:
+            self._bars.update(self._task, description=f"{self._stage}, {text}")
 
     def line(self, text: str) -> None:
         """Say one line that stays."""

@@ -6,7 +6,8 @@ from dualarm_pin.chain import Floats, Integers
 from dualarm_pin.engine.chain.derivatives import point_value
 from dualarm_pin.engine.chain.kinematics import relative_jacobian
 from dualarm_pin.engine.interior_point.objective import all_derivatives, objective
-from dualarm_pin.engine.interior_point.solve_one import Settings, solve_one
+from dualarm_pin.engine.interior_point.solve_one import CONVERGED, Settings, solve_one
+from dualarm_pin.engine.interior_point.walk import LOST, take_step, visited
 from dualarm_pin.engine.jit import records  # noqa: F401  registers what compiled code reads
 from dualarm_pin.engine.jit.compiled import copy_rows, entry, source_stamp
 from dualarm_pin.engine.workspace import Workspace
@@ -27,11 +28,20 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
         q: Floats,
         codes: Integers,
         values: Floats,
+        limit: Floats,
+        path: Problem,
+        first: Integers,
+        anchor: Integers,
+        scale: Floats,
     ) -> int:
         """Solve some items of a batch, one after the other, until done or interrupted.
 
+        Where anchors are given an item is a walk: its posture at the anchor is kept, every other
+        point is solved alone, linked to the one before it. Both have one loop, so that the solve
+        is compiled once.
+
         Args:
-            problem: The problem; its fixed neighbours are overwritten.
+            problem: The problem; its fixed neighbours are overwritten. For a walk, one point.
             work: Room for one item, with the multipliers of a warm start.
             settings: For every item alike.
             keep_multipliers: Warm start.
@@ -39,22 +49,48 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
             neighbours: (batch, 2, n) fixed neighbours of every item, or (1, 2, n) of all.
             interrupt: (1,) not 0: stop before the next item.
             q: (batch, k, n) starts, overwritten by the results.
-            codes: (batch, 3) filled: status, iterations, whether it is a saddle.
-            values: (batch, 4) filled: objective, residual, stationarity, mu.
+            codes: (batch, 3) filled: status, iterations, whether it is a saddle; of a walk the
+                iterations of all its points, and whether the last reached its rows.
+            values: (batch, 4) filled: objective, residual, stationarity, mu; of a walk those of
+                the last point.
+            limit: (batch,) objectives above which an item is dropped, or (1,) for all.
+            path: The problem of all points, for a walk.
+            first: (batch,) point of the path that the first point of a walk stands for.
+            anchor: (batch,) point of an item whose posture is given, or (0,): no walk.
+            scale: (batch,) factors on the weight of the links while walking.
         """
         _ = stamp
+        walking = anchor.shape[0] > 0
+        solves = q.shape[1] - 1 if walking else 1
         for item in items:
             if interrupt[0] != 0:
                 break
-            own = item if neighbours.shape[0] > 1 else 0
-            copy_rows(neighbours[own], problem.neighbours.posture)
-            copy_rows(q[item], work.at.q)
-            report = solve_one(problem, settings, work, keep_multipliers)
-            copy_rows(work.at.q, q[item])
-            codes[item, 0], codes[item, 1] = report.status, report.iterations
-            codes[item, 2] = 1 if report.saddle else 0
-            values[item, 0], values[item, 1] = report.objective, report.residual
-            values[item, 2], values[item, 3] = report.stationarity, report.mu
+            codes[item, 0], codes[item, 1], values[item, 1] = CONVERGED, 0, 0.0
+            mine = Settings(
+                settings.tolerance,
+                settings.iterations,
+                settings.mu,
+                settings.push,
+                limit[item if limit.shape[0] > 1 else 0],
+            )
+            for number in range(solves):
+                i = 0
+                if walking:
+                    i = visited(number, anchor[item], q.shape[1])
+                    take_step(path, first[item], anchor[item], i, scale[item], q[item], problem)
+                else:
+                    own = item if neighbours.shape[0] > 1 else 0
+                    copy_rows(neighbours[own], problem.neighbours.posture)
+                copy_rows(q[item, i : i + work.at.q.shape[0]], work.at.q)
+                report = solve_one(problem, mine, work, keep_multipliers)
+                copy_rows(work.at.q, q[item, i : i + work.at.q.shape[0]])
+                codes[item, 0] = report.status
+                codes[item, 1] += report.iterations
+                codes[item, 2] = 1 if report.saddle else 0
+                values[item, 0], values[item, 1] = report.objective, report.residual
+                values[item, 2], values[item, 3] = report.stationarity, report.mu
+                if walking and report.residual > LOST:
+                    break
         return stamp
 
     return entry(solve_items)

@@ -63,7 +63,7 @@ class Options:
         if self.push >= 0.5:
             raise InputError(f"is {self.push}, must be below 0.5", field="push")
         return Settings(
-            float(self.tolerance), int(self.iterations), float(self.mu0), float(self.push)
+            float(self.tolerance), int(self.iterations), float(self.mu0), float(self.push), np.inf
         )
 
 
@@ -126,7 +126,7 @@ def solve(
     rows = _Batch(problem, q)
     item = np.zeros(1, dtype=np.int64)
     scaled = problem.scaled()
-    work = _workspace(scaled)
+    work = workspace_for(scaled)
     if warm is not None:
         _load(warm, work, problem.size)
     rows.run(scaled, work, item, options.settings(), keep_multipliers=warm is not None)
@@ -148,7 +148,7 @@ def solve_many(
     jobs: int | None = None,
     points: ArrayLike | None = None,
     neighbours: ArrayLike | None = None,
-    linked: tuple[bool, bool] = (True, True),
+    limit: ArrayLike = np.inf,
     interrupt: Integers | None = None,
 ) -> Solutions:
     """Solve from many starts over threads; the result does not depend on their number.
@@ -162,7 +162,8 @@ def solve_many(
             point alone if k is 1), with their links. 0 by default.
         neighbours: (s, 2, n) fixed postures before and after the points of every start, which
             then count as their links do. The problem's own by default, where the path ends.
-        linked: Whether the one before counts, and the one after.
+        limit: (s,) or one number: a start is dropped once it is clear that it will not come below
+            this objective.
         interrupt: (1,) integer array; set to 1 by anyone, it ends the batch before the next start.
             Ctrl-C does the same. What is finished is kept, the rest was not run.
 
@@ -183,7 +184,10 @@ def solve_many(
             field="points",
         )
     ends = None if neighbours is None else checked("neighbours", neighbours, (s, 2, problem.n))
-    rows = _Batch(problem, q, ends, linked, interrupt)
+    limits = np.atleast_1d(np.asarray(limit, dtype=float)) / problem.size
+    if limits.shape not in ((1,), (s,)):
+        raise ShapeError(f"has shape {limits.shape}, not ({s},)", field="limit")
+    rows = _Batch(problem, q, ends, interrupt, limits)
     rows.run_over_threads(first, jobs or usable_cores(), (options or Options()).settings())
     return rows.result()
 
@@ -225,7 +229,7 @@ def kinematics(problem: Problem, q: Floats) -> tuple[Floats, float]:
     By the entry that solves, so that nothing else is loaded.
     """
     end = solve(problem, q[None], Options(iterations=0, push=TOLERANCE.no_length))
-    chain, work = problem.chain, _workspace(problem.scaled())
+    chain, work = problem.chain, workspace_for(problem.scaled())
     columns = np.vstack([work.columns[0], work.axes[0]]) * chain.scale
     J_r = np.zeros((6, problem.n))
     for e in np.flatnonzero(chain.role == VARIABLE):
@@ -238,6 +242,10 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+_NO_LIMIT, _NO_SCALE = np.full(1, np.inf), np.zeros(0)
+_NO_POINT = np.zeros(0, dtype=np.int64)
+
+
 class _Batch:
     """The arrays of a batch while it runs; every start is a row of its own."""
 
@@ -246,11 +254,11 @@ class _Batch:
         problem: Problem,
         q: Floats,
         neighbours: Floats | None = None,
-        linked: tuple[bool, bool] = (True, True),
         interrupt: Integers | None = None,
+        limit: Floats = _NO_LIMIT,
     ) -> None:
-        self.problem, self.q = problem, q
-        self.linked = (False, False) if neighbours is None else linked
+        self.problem, self.q, self.limit = problem, q, limit
+        self.linked = neighbours is not None
         own = problem.neighbours.posture[None].copy()
         self.neighbours = own if neighbours is None else neighbours
         self.codes = np.full((len(q), 3), [NOT_RUN, 0, 0], dtype=np.int64)
@@ -279,6 +287,11 @@ class _Batch:
             self.q,
             self.codes,
             self.values,
+            self.limit,
+            problem,
+            _NO_POINT,
+            _NO_POINT,
+            _NO_SCALE,
         )
 
     def run_over_threads(self, first: Integers, jobs: int, settings: Settings) -> None:
@@ -288,8 +301,8 @@ class _Batch:
         for point in np.unique(first):
             window = scaled.window(int(point), k, linked=self.linked)
             items = np.flatnonzero(first == point)
-            chunks = max(1, min(len(items), jobs * _CHUNKS_PER_JOB))
-            chunks = 1 if len(self.q) * k <= _FEW else chunks
+            most = 1 if jobs == 1 else min(jobs * _CHUNKS_PER_JOB, len(items) * k // _FEW)
+            chunks = max(1, min(len(items), most))
             pieces += [(window, chunk) for chunk in np.array_split(items, chunks)]
         if len(self.q) * k <= _FEW:  # done sooner than threads are started
             for piece in pieces:
@@ -306,7 +319,7 @@ class _Batch:
                 wait(running)
 
     def _run_piece(self, window: Problem, items: Integers, settings: Settings) -> None:
-        self.run(window, _workspace(window), items, settings)
+        self.run(window, workspace_for(window), items, settings)
 
     def result(self) -> Solutions:
         status = self.codes[:, 0].copy()
@@ -329,14 +342,22 @@ class _Batch:
 _ROOMS = threading.local()
 
 
-def _workspace(problem: Problem) -> Workspace:
-    """Return room for this thread and this shape of problem, kept from one batch to the next."""
+def workspace_for(problem: Problem, path: Problem | None = None) -> Workspace:
+    """Return room for this thread and this shape of problem, kept from one batch to the next.
+
+    One point alone has room of its own: walks and whole paths take turns.
+
+    Args:
+        problem: What is solved.
+        path: The path whose points, with their rows, are put into the problem one by one.
+    """
     shape = (problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
-    if getattr(_ROOMS, "shape", None) != shape:
-        _ROOMS.shape, _ROOMS.work = shape, _new_workspace(problem)
-    else:
-        _set_calls(problem, _ROOMS.work)
-    work: Workspace = _ROOMS.work
+    rooms: dict[bool, tuple[object, Workspace]] = _ROOMS.__dict__.setdefault("rooms", {})
+    known, work = rooms.get(problem.k == 1, (None, None))
+    if work is None or known != shape:
+        work = _new_workspace(problem)
+        rooms[problem.k == 1] = shape, work
+    _set_calls(path or problem, work)
     return work
 
 

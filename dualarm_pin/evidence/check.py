@@ -15,6 +15,7 @@ from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import Stationarity, stationarity
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import generator
+from dualarm_pin.search.work import Work
 from dualarm_pin.solution import same_path
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.tolerance import TOLERANCE
@@ -23,14 +24,16 @@ if TYPE_CHECKING:
     from dualarm_pin.engine.solve import Options
 
 
-# Starts a shift, and largest shifts of a posture [rad or m] from wide to what is still one path.
+# Starts a shift at most, and largest shifts of a posture [rad or m], from wide to still one path.
 RETURNS = 20
 SHIFTS = (0.2, 0.1, 0.05, 0.02)
+_FAR = 1e-2  # of the objective: a nearby start that stays above by more has left for elsewhere
+_LEAST_RETURNS, _ITERATIONS = 5, 25  # fewer say nothing; what one of them takes as a rule
 _MOST_ADOPTIONS = 5  # the paper's best path needs none; a search that needs more goes on for long
 
 
 def check_minimum(
-    problem: Problem, q: Array, *, seed: int, jobs: int | None = None
+    problem: Problem, q: Array, *, seed: int, jobs: int | None = None, work: float = 0.5
 ) -> tuple[Array, LocalCheck]:
     """Polish a path and check it independently of the solver.
 
@@ -39,15 +42,19 @@ def check_minimum(
         q: A path (k, n), nearly a minimum.
         seed: Seed of the shifts.
         jobs: Threads; None takes the processors there are.
+        work: What the starts of one shift may cost, as `search.work.Work` counts seconds: on long
+            paths there are fewer of them.
 
     Returns:
         The polished path (k, n), or a better one that a nearby start led to; its check.
     """
     q = polished(problem, q)
     best = problem.objective(q)
+    each = Work(problem).seconds(_ITERATIONS * problem.k)
+    count = max(_LEAST_RETURNS, min(RETURNS, int(work / each)))
     adopted = 0
     while True:
-        radius, share, better = _returns(problem, q, best, seed + adopted, jobs)
+        radius, share, better = _returns(problem, q, best, seed + adopted, jobs, count)
         if better is None or adopted == _MOST_ADOPTIONS:
             break
         q, adopted = better, adopted + 1
@@ -89,7 +96,7 @@ def near(tolerance: float, mu0: float = 1e-4) -> Options:
 
 
 def _returns(
-    problem: Problem, q: Array, best: float, seed: int, jobs: int | None
+    problem: Problem, q: Array, best: float, seed: int, jobs: int | None, count: int
 ) -> tuple[float | None, float, Array | None]:
     """Return the largest shift that all re-solves came back from, their share, a better path.
 
@@ -98,12 +105,14 @@ def _returns(
     share = -1.0
     level = TOLERANCE.same_objective * max(1.0, abs(best))
     for number, shift in enumerate(SHIFTS):
-        direction = generator(seed, 30, number).standard_normal((RETURNS, *q.shape))
+        direction = generator(seed, 30, number).standard_normal((count, *q.shape))
         direction /= np.linalg.norm(direction, axis=2, keepdims=True)
         # A joint with little room, such as a short prismatic one, moves less.
         room = np.minimum(1.0, (problem.upper - problem.lower) / 2.0)
         starts = np.clip(q + shift * direction * room, problem.lower, problem.upper)
-        ends = engine.solve_many(problem, starts, jobs=jobs)
+        ends = engine.solve_many(
+            problem, starts, jobs=jobs, limit=best + _FAR * max(1.0, abs(best))
+        )
         value = np.where(ends.converged, ends.objective, np.inf)
         lowest = int(np.argmin(value))
         if value[lowest] < best - level:

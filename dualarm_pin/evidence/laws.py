@@ -13,7 +13,7 @@ import numpy as np
 
 from dualarm_pin.answer.evidence import LawCount
 from dualarm_pin.arrays import Array
-from dualarm_pin.search.law import Drawn, Law
+from dualarm_pin.search.law import Counted, Drawn
 from dualarm_pin.solution import distinct, same_path
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -23,7 +23,7 @@ LEAST_STARTS = 300
 LEAST_HITS = 3
 
 
-def count_laws(laws: Sequence[Law], best: Array) -> dict[str, LawCount]:
+def count_laws(laws: Sequence[Counted], best: Array) -> dict[str, LawCount]:
     """Count what the starts of each law that made some came to, for the basin of `best` (k, n)."""
     drawn = {law.name: law.drawn() for law in laws}
     return {name: count(each, best) for name, each in drawn.items() if each is not None}

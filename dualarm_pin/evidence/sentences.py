@@ -6,15 +6,47 @@ Words that claim more than was checked have no place here; a test holds the list
 from __future__ import annotations
 
 from collections.abc import Mapping
+from math import isfinite
 
-from dualarm_pin.answer.evidence import Bound, LawCount, LocalCheck
+from dualarm_pin.answer.evidence import (
+    LEAST_SEARCHES,
+    SAME_ANSWER,
+    Bound,
+    LawCount,
+    LocalCheck,
+    Searches,
+)
 from dualarm_pin.evidence.laws import LEAST_HITS, LEAST_STARTS
 
 STOPPING_RULE = (
-    f"stop when two ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
+    f"stop when {LEAST_SEARCHES} independent searches end at the same best value, or two "
+    f"ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
     f"published number), end at the same best path, and each found it at least {LEAST_HITS} "
     "times; if the bound is requested, go on until the gap is under 0.1 % or the budget ends"
 )
+
+_FOUND_TWICE = 2  # rounds that found it, each by itself: then nothing speaks for better ones
+
+
+def tries(found: Searches) -> str:
+    """Say how many tries that shared nothing found the answer, and what to do if it is one."""
+    count = len(found.objectives)
+    worst = max((each for each in found.above if isfinite(each)), default=0.0)
+    others = f"others ended up to {_percent(worst)} above it"
+    if worst <= SAME_ANSWER:
+        others = "others found no path"
+    if found.kind == "searches":
+        text = f"{found.hits} of {count} independent searches found this value"
+        return (
+            f"{text}{'' if found.hits == count else f', {others}: a better path may well exist'}."
+        )
+    text = f"Best of {count} rounds of starts and {found.hops} hops"
+    if found.hits >= _FOUND_TWICE:
+        return f"{text}, found by {found.hits} rounds each by itself."
+    if count == 1:
+        return f"{text}, where single points have few minima."
+    again = "one round alone found it" if found.hits else "no round alone found it"
+    return f"{text}; {again}, {others}: expect a better one from --effort normal."
 
 
 def starts(laws: Mapping[str, LawCount], agree: bool, missed: float | None) -> str:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
-from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, Verdict
+from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, Searches, Verdict
 from dualarm_pin.evidence import sentences
 from dualarm_pin.evidence.laws import LEAST_HITS, laws_suffice, missed_share
 
@@ -21,19 +21,22 @@ class Findings:
     Attributes:
         local: Its local check.
         laws: Counts by the name of the start law.
-        agree: Every law ended at this path at least once.
+        agree: Two laws at least ended at this path.
         bound: The lower bound, if it was asked for.
+        searches: What searches that shared nothing found.
     """
 
     local: LocalCheck
     laws: dict[str, LawCount] = field(default_factory=dict)
     agree: bool = False
     bound: Bound | None = None
+    searches: Searches | None = None
 
     @property
     def starts_suffice(self) -> bool:
-        """Whether two laws agree, each with enough starts and hits."""
-        return self.agree and laws_suffice(self.laws)
+        """Whether independent searches agree, or two laws with enough starts and hits."""
+        together = self.searches is not None and self.searches.agree
+        return together or (self.agree and laws_suffice(self.laws))
 
     @property
     def bound_closes(self) -> bool:
@@ -60,20 +63,24 @@ def verdict(findings: Findings) -> Verdict:
 
 
 def conclude(findings: Findings) -> Evidence:
-    """Return the evidence of a result, with three sentences on lines of their own."""
+    """Return the evidence of a result, a sentence a line: what matters most in the first two."""
     local, bound, laws = findings.local, findings.bound, findings.laws
     met = findings.starts_suffice and (
         bound is None or (bound.gap < CLOSED_GAP and not bound.contradicted)
     )
     missed = missed_share(laws)
-    text = (
-        sentences.starts(laws, findings.agree, missed),
-        sentences.stopping(met) if bound is None else sentences.bound(bound, CLOSED_GAP),
-        sentences.local(local),
-    )
+    found = findings.searches
+    checked = sentences.local(local)
+    text = [
+        sentences.starts(laws, findings.agree, missed) if found is None else sentences.tries(found),
+        *([checked] if bound is None else [sentences.bound(bound, CLOSED_GAP), checked]),
+        *([] if found is None else [sentences.starts(laws, findings.agree, missed)]),
+        *([sentences.stopping(met)] if bound is None else []),
+    ]
     return Evidence(
         verdict=verdict(findings),
         laws=dict(laws),
+        searches=found,
         missed_share_95=missed,
         laws_agree=findings.agree if len(laws) >= 2 else None,
         stopping_rule=sentences.STOPPING_RULE,

@@ -17,7 +17,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.search.anchored import anchor_points
 from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.starts import generator
-from dualarm_pin.search.turns import draw_postures, fold
+from dualarm_pin.search.turns import Turns
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.task import Task
 from dualarm_pin.tolerance import TOLERANCE
@@ -61,7 +61,9 @@ def fast_paths(
     problem = speed_problem(task, limits)
     anchors = anchor_points(problem.k)
     count = -(-starts // len(anchors))
-    drawn = draw_postures(problem, count * len(anchors), generator(seed, 80))
+    turns = Turns(problem)
+    shape = (count * len(anchors), problem.n)
+    drawn = generator(seed, 80).uniform(turns.lower, turns.upper, shape)
     bare = problem.with_points(index_weight=0.0 * problem.points.index_weight)
     alone = engine.solve_many(
         bare,
@@ -70,7 +72,7 @@ def fast_paths(
         jobs=jobs,
         options=Options(_ROUGH, 60, 1e-3, 1e-3),
     )
-    reached = fold(problem, alone.q[alone.residual < _NEAR])
+    reached = turns.folded(alone.q[alone.residual < _NEAR])
     coarse = coarse_of(problem)
     tiled = np.repeat(reached, coarse.problem.k, axis=1)
     if not len(tiled):

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, get_args
 
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.errors import UnknownNameError, nearest
+from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.files.numbers import check_counts
 from dualarm_pin.planners.feed import plan_feed
 from dualarm_pin.planners.local import VARIANTS, plan_local
@@ -36,7 +36,7 @@ class PlannerEntry:
         function: Called with the task, `seed`, `progress` and what of the rest it takes.
         solvers: What `--solver` may name, and what the function gets for it.
         keyword: Under which keyword it gets that.
-        options: Which of `effort`, `starts` and `jobs` it takes.
+        options: Which of `effort`, `starts`, `jobs` and `time_limit` it takes.
     """
 
     function: Callable[..., Trajectory]
@@ -49,7 +49,9 @@ AIMS = {"index": "global", "feed": "feed"}
 """The method of each aim."""
 
 METHODS: dict[str, PlannerEntry] = {
-    "global": PlannerEntry(plan_global, SOLVERS, options=("effort", "starts", "jobs")),
+    "global": PlannerEntry(
+        plan_global, SOLVERS, options=("effort", "starts", "jobs", "time_limit")
+    ),
     "feed": PlannerEntry(plan_feed, {}, options=("effort", "starts", "jobs")),
     "two-stage": PlannerEntry(plan_two_stage, SOLVERS, options=("starts", "jobs")),
     "local": PlannerEntry(plan_local, {name: name for name in VARIANTS}, "variant"),
@@ -65,6 +67,7 @@ def plan(
     effort: str = "normal",
     solver: str | Solver | None = None,
     starts: int | None = None,
+    time_limit: float | None = None,
     seed: int = 0,
     jobs: int | None = None,
     progress: Progress = SILENT,
@@ -79,6 +82,7 @@ def plan(
         solver: A name that the method knows, or a `Solver` where it takes any; None takes that of
             the task, else the method's default.
         starts: Number of starts; None takes the method's default.
+        time_limit: Seconds after which the search is cut, for the global method.
         seed: Seed of the starts.
         jobs: Threads or processes; None takes the processors there are.
         progress: Told where the work stands.
@@ -89,6 +93,8 @@ def plan(
     """
     method = method or task.method or AIMS[task.aim]
     check_counts(starts, seed, jobs)
+    if time_limit is not None and not time_limit > 0.0:
+        raise InputError(f"seconds above 0 are expected; given {time_limit}", field="--time-limit")
     if not isinstance(method, str):
         answer = method(task, seed=seed)
         if not isinstance(answer, Trajectory):
@@ -97,7 +103,7 @@ def plan(
     _known("method", method, METHODS)
     _known("effort", effort, EFFORTS)
     entry = METHODS[method]
-    given = {"effort": effort, "starts": starts, "jobs": jobs}
+    given = {"effort": effort, "starts": starts, "jobs": jobs, "time_limit": time_limit}
     arguments: dict[str, Any] = {n: given[n] for n in entry.options if given[n] is not None}
     solver = solver or task.solver
     if isinstance(solver, str):

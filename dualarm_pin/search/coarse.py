@@ -40,10 +40,15 @@ class Coarse:
         return np.stack([np.interp(along, self.points, column) for column in q.T], axis=1)
 
 
-def coarse_of(problem: Problem, most: int = MOST) -> Coarse:
-    """Return the coarse path of a problem without fixed neighbours."""
+def coarse_of(problem: Problem, most: int | None = None) -> Coarse:
+    """Return the coarse path of a problem without fixed neighbours.
+
+    Args:
+        problem: The whole path.
+        most: How many points it has, or all there are; by default a share of them.
+    """
     k = problem.k
-    count = min(k, max(LEAST, min(most, k // SHARE if most == MOST else most)))
+    count = min(k, max(LEAST, min(MOST, k // SHARE)) if most is None else most)
     points = np.unique(np.round(np.linspace(0, k - 1, count)).astype(np.int64))
     steps = np.diff(points)
     mean = [problem.links.weight[a:b].mean() for a, b in itertools.pairwise(points)]

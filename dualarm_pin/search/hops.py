@@ -1,103 +1,186 @@
-"""Hops: a good path, disturbed at one point, walked anew from there within a window, refined.
+"""Hops from the pool: disturb one point of a good path, walk from there, keep what is better.
 
-Hops start from what other laws found, so they are no independent starts and count for none.
+A window hop leaves the rest of the path as it is and solves its window between fixed neighbours; a
+whole hop has no neighbours. Splices join parts of several paths. None of these are independent
+starts: a hop knows what was found before, so it is no law and counts for no evidence.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
+from dualarm_pin.search.pool import Pool
+from dualarm_pin.search.splice import splices
 from dualarm_pin.search.starts import generator
-from dualarm_pin.search.turns import fold
-from dualarm_pin.search.walk import walk
-from dualarm_pin.solution import Solutions, distinct
+from dualarm_pin.search.track import MUS
+from dualarm_pin.search.turns import Turns
+from dualarm_pin.search.work import Work
+from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
-
-_BATCH = 8  # hops that are solved together: enough for some threads
-_POOL = 12  # best distinct paths that hops start from, the best of them most often
-_WINDOWS = (0.25, 0.5, 1.0)  # share of the path that is walked anew
-_STEPS = (0.3, 3.0)  # rad in all joints together, between these evenly by logarithm
-_PROJECT, _MINIMISE = 5, 60  # iterations of the disturbed point alone: stay near it, or settle
-_HOPELESS = 3.0  # times the best objective: such a start is not refined
-_MU, _PUSH = 1e-2, 1e-3
+_BATCH = 8  # hops made at once ...
+_BATCH_COST = 0.1  # ... or fewer, where 20 iterations of each would cost more than this [s]
+_LOG_SHIFT = (np.log(0.3), np.log(3.0))  # rad, of all joints together
+_SCALES = 10.0 ** np.arange(-1, 3)  # of the links while walking
+_ITERATIONS = 60
+_HERE = Options(1e-3, 0, push=TOLERANCE.no_length)  # the objective of a start, and no more
+_SPLICE_EVERY = 5
+_SPLICED = 12  # best paths that are spliced
+_LONG = 150  # points: on longer paths the values of all points cost more than splices are worth
+# Either the nearest minimum of the disturbed point alone, or merely its nearest place on the path.
+_ALONE, _PLACED = Options(1e-4, 60), Options(1e-4, 5, 1e-3, 1e-3)
 
 
 class Hops:
-    """Hops from a pool of paths.
+    """Moves that improve the best paths of a pool.
 
     Attributes:
-        ends: Where the hops ended; None before the first.
-        work: Points times iterations so far.
+        made: Hops and splices so far.
     """
 
-    def __init__(self, problem: Problem, seed: int, *, jobs: int | None = None) -> None:
-        self.problem, self.seed, self.jobs = problem, seed, jobs
-        self.ends: Solutions | None = None
-        self.work = 0
-        self._batches = 0
+    def __init__(
+        self,
+        problem: Problem,
+        seed: int,
+        pool: Pool,
+        work: Work,
+        *,
+        number: int = 0,
+        jobs: int | None = None,
+    ) -> None:
+        self.problem, self.seed, self.number, self.jobs = problem, seed, number, jobs
+        self.pool, self.work = pool, work
+        self.turns = Turns(problem)
+        self.wide = self.turns.widened(problem)
+        k = problem.k
+        sizes = {max(9, k // 4) | 1, max(17, k // 2) | 1}
+        self._sizes = [*sorted(size for size in sizes if size < k), k]
+        self.made = self._batches = 0
+        self._known: dict[bytes, Array] = {}
+        self._spliced: set[bytes] = set()
 
-    def hop(self, known: Solutions) -> None:
-        """Hop a few times from the best of known paths and of those that hops found.
+    def make(self) -> None:
+        """Make one batch of hops of one size, every few batches splices as well.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
-        every = known if self.ends is None else Solutions.join([known, self.ends])
-        minima = distinct(every).ends
-        random = generator(self.seed, 60, self._batches)
+        random = generator(self.seed, 41, self.number, self._batches)
         self._batches += 1
-        if not len(minima):
-            return
-        window = max(3, round(self.problem.k * _WINDOWS[int(random.integers(len(_WINDOWS)))]))
-        window = min(window, self.problem.k)
-        lowest = float(minima.objective[0])
-        rank = np.minimum(random.exponential(3.0, _BATCH).astype(int), min(_POOL, len(minima)) - 1)
-        first = random.integers(0, self.problem.k - window + 1, _BATCH)
-        starts = minima.q[rank].copy()
-        for begin in np.unique(first):
-            mine = np.flatnonzero(first == begin)
-            piece = starts[mine, begin : begin + window]
-            starts[mine, begin : begin + window] = self._walked(piece, int(begin), random)
-        starts = fold(self.problem, starts)
-        from dualarm_pin.engine.solve import Options
+        self._hop(int(random.choice(self._sizes)), random)
+        many = len(self.pool.paths) > 2 and self.problem.k <= _LONG
+        if many and self._batches % _SPLICE_EVERY == 0:
+            self._splice(random)
 
-        here = engine.solve_many(
-            self.problem, starts, jobs=self.jobs, options=Options(iterations=0, push=1e-6)
-        )
-        hopeful = np.flatnonzero(here.objective < lowest + (_HOPELESS - 1.0) * abs(lowest))
-        if here.interrupted:
-            raise KeyboardInterrupt
-        if not len(hopeful):
+    def _hop(self, w: int, random: np.random.Generator) -> None:
+        problem, pool = self.problem, self.pool
+        k, n = problem.k, problem.n
+        most = int(_BATCH_COST / self.work.seconds(20.0 * w))
+        batch = np.arange(max(1, min(_BATCH, most)))
+        base = np.array([pool.paths[pool.pick(random)] for _ in batch])
+        at = random.integers(0, k, len(batch))
+        first = np.clip(at - w // 2, 0, k - w)
+        shift = random.normal(size=(len(batch), n))
+        shift /= np.linalg.norm(shift, axis=1, keepdims=True)
+        shift *= np.exp(random.uniform(*_LOG_SHIFT, (len(batch), 1)))
+        scale = random.choice(_SCALES, len(batch))
+        alone = _PLACED if random.random() < 0.5 else _ALONE
+        mu, push = MUS[int(random.integers(len(MUS)))]
+
+        place = np.clip(base[batch, at] + shift, problem.lower, problem.upper)
+        placed = self._solved(place[:, None], alone, points=at)
+        fit = np.flatnonzero(placed.residual < 0.05)
+        if not len(fit):
             return
-        ends = engine.solve_many(
-            self.problem, starts[hopeful], jobs=self.jobs, options=Options(mu0=_MU, push=_PUSH)
+        walked = engine.walk_many(
+            self.wide,
+            placed.q[fit, 0],
+            at[fit],
+            jobs=self.jobs,
+            first=first[fit],
+            points=w,
+            scale=scale[fit],
         )
-        self.work += int(ends.iterations.sum()) * self.problem.k
-        self.ends = ends if self.ends is None else Solutions.join([self.ends, ends])
+        self.work.add(walked.steps)
+        if walked.interrupted:
+            raise KeyboardInterrupt
+        fit, starts = fit[walked.reached], walked.q[walked.reached]
+        if not len(fit):
+            return
+        base, first = base[fit], first[fit]
+        self.made += len(fit)
+        beside = np.stack(
+            [
+                np.stack([path[max(a - 1, 0)], path[min(a + w, k - 1)]])
+                for path, a in zip(base, first, strict=True)
+            ]
+        )
+        rows = np.arange(w) + first[:, None]
+        before = base[np.arange(len(fit))[:, None], rows]
+        here = self._solved(before, _HERE, points=first, neighbours=beside).objective
+        ends = self._solved(
+            starts,
+            Options(TOLERANCE.search if w == k else 1e-5, _ITERATIONS, mu, push),
+            points=first,
+            neighbours=beside,
+            limit=np.full(len(fit), pool.limit) if w == k else here,
+        )
+        if w == k:
+            self._offer(ends)
+            return
+        better = (ends.status == 0) & (
+            ends.objective < here - TOLERANCE.same_objective * abs(pool.best)
+        )
+        for end in np.flatnonzero(better):
+            base[end, first[end] : first[end] + w] = ends.q[end]
+        if better.any():
+            self._offer(self._solved(base[better], Options(mu0=1e-3, push=1e-3)))
+
+    def _splice(self, random: np.random.Generator) -> None:
+        pool, problem = self.pool, self.problem
+        paths = np.array(pool.paths[:_SPLICED])
+        found = []
+        for q in splices(problem, paths, self._values(paths), random):
+            key = np.round(q, 2).tobytes()
+            if key not in self._spliced:
+                self._spliced.add(key)
+                found.append(q)
+        if found:
+            self.made += len(found)
+            mu, push = MUS[int(random.integers(len(MUS)))]
+            options = Options(mu0=mu, push=push)
+            self._offer(self._solved(np.array(found), options, limit=pool.limit))
+
+    def _values(self, paths: Array) -> Array:
+        """Return the objective of every point (s, k) of paths, without links; known ones again."""
+        k, n = paths.shape[1:]
+        fresh = [q for q in paths if q.tobytes() not in self._known]
+        if fresh:
+            points = np.tile(np.arange(k), len(fresh))
+            alone = self._solved(np.reshape(fresh, (-1, 1, n)), _HERE, points=points)
+            self.work.add(len(fresh) * k)
+            for q, values in zip(fresh, alone.objective.reshape(-1, k), strict=True):
+                self._known[q.tobytes()] = values
+        return np.array([self._known[q.tobytes()] for q in paths])
+
+    def _offer(self, ends: Solutions) -> None:
+        for end in np.flatnonzero(ends.converged & ~ends.saddle):
+            self.pool.offer(ends.q[end], ends.objective[end])
         if ends.interrupted:
             raise KeyboardInterrupt
 
-    def _walked(self, pieces: Array, begin: int, random: np.random.Generator) -> Array:
-        """Return pieces (s, window, n) walked anew from a disturbed posture of each."""
-        from dualarm_pin.engine.solve import Options
-
-        s, window, n = pieces.shape
-        part = self.problem.window(begin, window)
-        at = random.integers(0, window, s)
-        direction = random.standard_normal((s, n))
-        direction /= np.linalg.norm(direction, axis=1, keepdims=True)
-        length = np.exp(random.uniform(np.log(_STEPS[0]), np.log(_STEPS[1]), (s, 1)))
-        moved = pieces[np.arange(s), at] + length * direction
-        moved = np.clip(moved, part.lower, part.upper)
-        alone = Options(1e-4, _PROJECT if random.uniform() < 0.5 else _MINIMISE, 1e-2, 1e-3)
-        ends = engine.solve_many(part, moved[:, None], jobs=self.jobs, points=at, options=alone)
-        self.work += int(ends.iterations.sum())
-        if ends.interrupted:
+    def _solved(self, starts: Array, options: Options, **more: Any) -> Solutions:
+        ends = engine.solve_many(self.problem, starts, jobs=self.jobs, options=options, **more)
+        self.work.add(int(ends.iterations.sum()) * starts.shape[1])
+        whole = starts.shape[1] == self.problem.k
+        if ends.interrupted and not whole:
             raise KeyboardInterrupt
-        walked, work = walk(part, at, ends.q[:, 0], jobs=self.jobs)
-        self.work += work
-        return walked
+        return replace(ends, q=self.turns.folded(ends.q)) if whole else ends

@@ -6,6 +6,7 @@ starts for any number of threads and any number of rounds. What the starts came 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -33,6 +34,11 @@ class Drawn:
     weight: Labels | None = None
 
     @property
+    def weights(self) -> Labels:
+        """How many starts led to each end (s,)."""
+        return np.ones(len(self.ends), dtype=np.int64) if self.weight is None else self.weight
+
+    @property
     def best(self) -> Array | None:
         """The lowest end (k, n): of those that converged, else of those on the path, else None."""
         ends = self.ends
@@ -43,10 +49,19 @@ class Drawn:
         return q
 
 
-class Law(Protocol):
-    """A way of drawing starts; each is one file of this folder."""
+class Counted(Protocol):
+    """What has drawn starts under a name."""
 
-    name: str
+    @property
+    def name(self) -> str:
+        """What the law is called in results."""
+
+    def drawn(self) -> Drawn | None:
+        """Return what the starts so far came to, or None before the first."""
+
+
+class Law(Counted, Protocol):
+    """A way of drawing starts; each is one file of this folder."""
 
     def grow(self, starts: int) -> None:
         """Make starts until there are `starts`, those made before included.
@@ -55,5 +70,25 @@ class Law(Protocol):
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
 
+
+@dataclass(frozen=True)
+class Joined:
+    """Several searches by one law, counted as one law (without `grow`)."""
+
+    laws: Sequence[Law]
+
+    @property
+    def name(self) -> str:
+        """That of the law."""
+        return self.laws[0].name
+
     def drawn(self) -> Drawn | None:
-        """Return what the starts so far came to, or None before the first."""
+        """Return what the starts of all came to, or None before the first."""
+        parts = [part for law in self.laws if (part := law.drawn()) is not None]
+        if not parts:
+            return None
+        return Drawn(
+            sum(part.starts for part in parts),
+            Solutions.join([part.ends for part in parts]),
+            np.concatenate([part.weights for part in parts]),
+        )

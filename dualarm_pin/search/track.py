@@ -1,169 +1,231 @@
-"""The track law: minima of single points, walked through the path, the best of them refined.
+"""The track law: minima of one point alone, the best of them walked through the path.
 
-On cells where one posture for all points is far from any path this reaches, at the price of one
-such start, sixty paths that already follow it.
+A walk (`engine.interior_point.walk`) costs a few iterations a point and stays on its branch, where
+a whole path that starts from one common posture is torn between the points. Rounds begin at the
+first, the middle and the last point: random anchors find worse paths. Where the path is long a
+coarse one comes first. Of all walks a few iterations pick those that are refined.
 """
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.anchored import anchor_points
-from dualarm_pin.search.coarse import coarse_of
+from dualarm_pin.search.coarse import Coarse, coarse_of
 from dualarm_pin.search.law import Drawn
+from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.starts import generator
-from dualarm_pin.search.turns import draw_postures, fold
-from dualarm_pin.search.walk import walk
-from dualarm_pin.solution import Solutions, distinct
+from dualarm_pin.search.turns import Turns
+from dualarm_pin.search.work import Work
+from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
-Labels = NDArray[np.int64]
-
-_COARSE = 32  # points that rounds work on where the path has many more
-_WHOLE = 40  # up to here a path is short enough as it is
-_ALONE_TOLERANCE, _ALONE_ITERATIONS = 1e-4, 60  # a start that needs more hardly ever converges
-# After a few iterations the objective ranks paths far better than before the first.
-_RACE_ITERATIONS, _FINISHED, _REFINED = 6, 8, 5
-_RACE = 3  # times as many are raced as are finished
-# A low and a high barrier end in different minima.
-_BARRIERS = ((1e-2, 1e-3), (0.1, 1e-2))
+Integers = NDArray[np.int64]
 
 
 @dataclass(frozen=True)
 class Round:
-    """One round.
+    """How many go on from stage to stage of a round.
 
     Attributes:
-        postures: Postures drawn at each anchor.
-        minima: Minima of each anchor that are walked.
+        postures: Drawn at each anchor.
+        minima: Of one point alone, an anchor: these are walked.
+        raced: Walks that get a few iterations.
+        coarse: Of these, refined on the coarse path.
+        fine: Of these, refined on the whole path.
     """
 
-    postures: int = 100
-    minima: int = 12
+    postures: int = 80
+    minima: int = 16
+    raced: int = 20
+    coarse: int = 7
+    fine: int = 5
+
+
+_LONG, _COARSE_POINTS = 40, 32  # a longer path is walked and raced on that many points
+_FINE_SHARE = 0.25  # s: what the fine refinements of one round may cost at 40 iterations each
+_ALONE = Options(1e-4, 60)  # a start that needs more hardly ever converges
+_RACE_ITERATIONS = 6  # after these the objective ranks paths far better than before the first
+_NEAR = 1e-2  # a coarse end or a minimum of one point alone within this counts as on its rows
+_OFF_PATH = 0.05  # a raced path farther off its rows pays ten times the excess
+MUS = ((1e-2, 1e-3), (0.1, 1e-2))  # barrier and push of starts: either finds what the other misses
 
 
 class TrackLaw:
-    """A law (`law.Law`) whose starts are the walks; those that were not refined lead to no end.
+    """A law (`law.Law`) whose starts are postures at the anchors, walked through the path.
 
     Attributes:
-        work: Points times iterations so far.
+        rounds: The lowest objective that each round so far found by itself.
+        unseen: Share of the postures of the last round whose minimum no other posture met, as Good
+            and Turing: near 1 the minima of single points are hardly seen.
+        reachable: Whether each anchor was reached by some posture of the first round.
     """
 
     name = "track"
 
-    def __init__(self, problem: Problem, seed: int, *, jobs: int | None = None) -> None:
-        self.problem, self.seed, self.jobs = problem, seed, jobs
-        self.coarse = coarse_of(problem, _COARSE) if problem.k > _WHOLE else None
-        self.work = 0
-        self._rounds = 0
-        self._walks = 0
-        self._ends: Solutions | None = None
-
-    def drawn(self) -> Drawn | None:
-        """Return what the walks so far came to, or None before the first."""
-        return None if self._ends is None else Drawn(self._walks, self._ends)
+    def __init__(
+        self,
+        problem: Problem,
+        seed: int,
+        *,
+        number: int = 0,
+        jobs: int | None = None,
+        pool: Pool | None = None,
+        work: Work | None = None,
+    ) -> None:
+        self.problem, self.seed, self.number, self.jobs = problem, seed, number, jobs
+        self.pool, self.work = pool or Pool(), work or Work(problem)
+        self.turns = Turns(problem)
+        self.rounds: list[float] = []
+        self.unseen, self.reachable = 1.0, True
+        whole = Coarse(problem, np.arange(problem.k), problem.k)
+        self._coarse = whole if problem.k <= _LONG else coarse_of(problem, _COARSE_POINTS)
+        self._wide = self.turns.widened(self._coarse.problem)
+        self._most = max(1, int(_FINE_SHARE / self.work.seconds(40.0 * problem.k)))
+        self._starts = 0
+        self._ends: list[Solutions] = []
+        self._weight: list[Integers] = []
 
     def grow(self, starts: int) -> None:
-        """Make rounds until there are `starts` walks, those made before included.
+        """Make rounds until there are `starts` postures, those drawn before included.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
-        while self._walks < starts:
-            before = self._walks
-            self.round(Round())
-            if self._walks == before:
-                return  # no point of the path is reached alone
+        while self._starts < starts:
+            self.round()
 
-    def round(self, how: Round) -> None:
-        """Draw, walk, race and refine once.
+    def drawn(self) -> Drawn | None:
+        """Return what the tracks came to: an end counts the tracks that led to it."""
+        if not self._ends:
+            return None
+        return Drawn(self._starts, Solutions.join(self._ends), np.concatenate(self._weight))
+
+    def round(self, how: Round | None = None) -> None:
+        """Draw postures at the anchors, walk, race, refine; offer what comes to the pool.
+
+        Args:
+            how: How many go on from stage to stage.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
-        problem = self.problem if self.coarse is None else self.coarse.problem
-        random = generator(self.seed, 50, self._rounds)
-        self._rounds += 1
-        at, postures = self._minima(problem, how, random)
-        if not len(at):
+        how = how or Round()
+        random = generator(self.seed, 40, self.number, len(self.rounds))
+        mu, push = MUS[(self.number + len(self.rounds)) % len(MUS)]
+        self.rounds.append(np.inf)
+        paths, value = self._walked(random, how)
+        kept, count = _groups(paths, value)
+        kept, count = kept[: how.raced], count[: how.raced]
+        if not len(kept):
             return
-        paths, work = walk(problem, at, postures, jobs=self.jobs)
-        self.work += work
-        self._walks += len(at)
-        mu0, push = _BARRIERS[(self._rounds - 1) % len(_BARRIERS)]
-        ends = self._race(problem, fold(problem, paths), mu0, push)
-        if self.coarse is not None:
-            ends = self._on_the_whole_path(ends, mu0, push)
-        self._ends = ends if self._ends is None else Solutions.join([self._ends, ends])
+        coarse = self._coarse.problem
+        race = self._solved(coarse, paths[kept], Options(1e-3, _RACE_ITERATIONS, mu, push))
+        standing = race.objective + 10.0 * np.maximum(0.0, race.residual - _OFF_PATH)
+        top = np.argsort(standing, kind="stable")[: how.coarse]
+        paths, count = race.q[top], count[top]
+        if coarse.k < self.problem.k:
+            ends = self._solved(coarse, paths, Options(1e-3, mu0=mu, push=push))
+            near = np.flatnonzero(ends.residual < _NEAR)
+            folded = self.turns.folded(ends.q[near])
+            kept, merged = _groups(folded, ends.objective[near], count[near])
+            fine = min(how.fine, self._most)
+            kept, count = kept[:fine], merged[:fine]
+            paths = np.array([self._coarse.start(folded[at]) for at in kept])
+        for part in np.array_split(np.arange(len(paths)), max(1, -(-len(paths) // 3))):
+            if len(part):
+                self._settle(paths[part], count[part], mu, push)
+
+    def _walked(self, random: np.random.Generator, how: Round) -> tuple[Array, Array]:
+        """Return walked coarse paths (s, k, n), folded, and their objectives."""
+        problem, turns = self._coarse.problem, self.turns
+        anchors = anchor_points(problem.k)
+        at = np.repeat(anchors, how.postures)
+        postures = random.uniform(turns.lower, turns.upper, (len(at), 1, problem.n))
+        alone = self._solved(problem, postures, _ALONE, points=at)
+        self._starts += int(alone.ran.sum())
+        folded = turns.folded(alone.q)
+        chosen: list[int] = []
+        met = once = 0
+        for anchor in anchors:
+            mine = np.flatnonzero((at == anchor) & (alone.residual < _NEAR))
+            kept, count = _groups(folded[mine], alone.objective[mine])
+            self.reachable = self.reachable and (len(mine) > 0 or len(self.rounds) > 1)
+            met, once = met + len(mine), once + int(np.sum(count == 1))
+            chosen += mine[kept[: how.minima]].tolist()
+        self.unseen = once / met if met else 1.0
+        if not chosen:
+            return np.zeros((0, problem.k, problem.n)), np.zeros(0)
+        walked = engine.walk_many(self._wide, folded[chosen, 0], at[chosen], jobs=self.jobs)
+        self.work.add(walked.steps)
+        if walked.interrupted:
+            raise KeyboardInterrupt
+        paths = turns.folded(walked.q[walked.reached])
+        if not len(paths):
+            return paths, np.zeros(0)
+        here = self._solved(problem, paths, Options(1e-3, 0, push=TOLERANCE.no_length))
+        return paths, here.objective
+
+    def _settle(self, paths: Array, count: Integers, mu: float, push: float) -> None:
+        """Refine paths on all points; keep and offer the ends."""
+        options = Options(TOLERANCE.search, mu0=mu, push=push)
+        ends = self._solved(self.problem, paths, options, limit=self.pool.limit, keep=True)
+        self._ends.append(ends)
+        self._weight.append(count)
+        for end in np.flatnonzero(ends.converged & ~ends.saddle):
+            self.pool.offer(ends.q[end], ends.objective[end])
+            self.rounds[-1] = min(self.rounds[-1], float(ends.objective[end]))
         if ends.interrupted:
             raise KeyboardInterrupt
 
-    def _minima(
-        self, problem: Problem, how: Round, random: np.random.Generator
-    ) -> tuple[Labels, Array]:
-        """Return the best minima (s, n) of the anchors alone, and the anchor of each (s,)."""
-        anchors = anchor_points(problem.k)
-        drawn = draw_postures(problem, how.postures * len(anchors), random)
-        points = np.repeat(anchors, how.postures)
-        ends = self._solve(
-            problem,
-            drawn[:, None],
-            points=points,
-            tolerance=_ALONE_TOLERANCE,
-            iterations=_ALONE_ITERATIONS,
-        )
-        # At this tolerance an end is near its pose, not on it: good enough to walk from.
-        ends = replace(ends, q=fold(problem, ends.q), converged=ends.status == 0)
-        at, found = [], []
-        for anchor in anchors:
-            minima = distinct(ends.take(np.flatnonzero(points == anchor)))
-            best = minima.ends.q[: how.minima, 0]
-            at.append(np.full(len(best), anchor))
-            found.append(best)
-        return np.concatenate(at), np.concatenate(found)
-
-    def _race(self, problem: Problem, paths: Array, mu0: float, push: float) -> Solutions:
-        """Refine the most promising paths."""
-        first = self._solve(problem, paths, iterations=0, mu0=mu0, push=1e-6)
-        raced = np.argsort(first.objective, kind="stable")[: _RACE * _FINISHED]
-        ends = self._solve(problem, paths[raced], iterations=_RACE_ITERATIONS, mu0=mu0, push=push)
-        order = np.argsort(np.where(ends.residual < 1e-2, ends.objective, np.inf), kind="stable")
-        chosen = raced[order[:_FINISHED]]
-        whole = self.coarse is None
-        return self._solve(problem, paths[chosen], mu0=mu0, push=push, last=whole)
-
-    def _on_the_whole_path(self, ends: Solutions, mu0: float, push: float) -> Solutions:
-        """Refine the best distinct coarse paths on all points."""
-        assert self.coarse is not None
-        best = distinct(ends).ends.q[:_REFINED]
-        starts = np.array([self.coarse.start(q) for q in best])
-        starts = starts.reshape(len(best), self.problem.k, self.problem.n)
-        return self._solve(self.problem, starts, mu0=mu0, push=push, last=True)
-
-    def _solve(
+    def _solved(
         self,
         problem: Problem,
         starts: Array,
+        options: Options,
         *,
-        points: Labels | None = None,
-        tolerance: float | None = None,
-        iterations: int = 150,
-        mu0: float = 0.1,
-        push: float = 1e-2,
-        last: bool = False,
+        keep: bool = False,
+        **more: Any,
     ) -> Solutions:
-        from dualarm_pin.engine.solve import Options
+        """Solve, and count the work; with `keep` Ctrl-C is left to the caller."""
+        ends = engine.solve_many(problem, starts, jobs=self.jobs, options=options, **more)
+        self.work.add(int(ends.iterations.sum()) * starts.shape[1])
+        whole = problem is self.problem and starts.shape[1] == problem.k
+        if ends.interrupted and not keep:
+            raise KeyboardInterrupt
+        return replace(ends, q=self.turns.folded(ends.q)) if whole else ends
 
-        options = Options(iterations=iterations, mu0=mu0, push=push)
-        if tolerance is not None:
-            options = replace(options, tolerance=tolerance)
-        ends = engine.solve_many(problem, starts, jobs=self.jobs, points=points, options=options)
-        self.work += int(ends.iterations.sum()) * starts.shape[1]
-        if ends.interrupted and not last:
-            raise KeyboardInterrupt  # what is finished is no path of the law yet
-        return ends
+
+def _groups(paths: Array, value: Array, count: Integers | None = None) -> tuple[Integers, Integers]:
+    """Return the best of every group of paths that agree by joints, best first, and their counts.
+
+    Args:
+        paths: (s, k, n).
+        value: (s,) objective; what is infinite is left out.
+        count: (s,) what each path counts; 1 by default.
+    """
+    flat = paths.reshape(len(paths), math.prod(paths.shape[1:]))
+    kept: list[int] = []
+    counts: list[int] = []
+    for at in np.argsort(value, kind="stable"):
+        if not np.isfinite(value[at]):
+            break
+        one = 1 if count is None else int(count[at])
+        if kept:
+            away = np.abs(flat[kept] - flat[at]).max(axis=1)
+            nearest = int(np.argmin(away))
+            if away[nearest] < TOLERANCE.same_joint:
+                counts[nearest] += one
+                continue
+        kept.append(int(at))
+        counts.append(one)
+    return np.array(kept, dtype=np.int64), np.array(counts, dtype=np.int64)

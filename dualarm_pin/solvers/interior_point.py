@@ -20,6 +20,7 @@ from dualarm_pin.solution import Multipliers, Solution, Solutions
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
     from dualarm_pin.engine.solve import Options
+    from dualarm_pin.engine.walks import Walked
     from dualarm_pin.problem import Problem
 
 Array = NDArray[np.float64]
@@ -52,14 +53,41 @@ def solve_many(
     options: Options | None = None,
     points: ArrayLike | None = None,
     neighbours: ArrayLike | None = None,
-    linked: tuple[bool, bool] = (True, True),
+    limit: ArrayLike = np.inf,
 ) -> Solutions:
     """Minimise `problem` from many starts; see `dualarm_pin.engine.solve.solve_many`."""
     from dualarm_pin.engine.solve import solve_many as run
 
     compare(problem)
     return run(
-        problem, starts, options, jobs=jobs, points=points, neighbours=neighbours, linked=linked
+        problem, starts, options, jobs=jobs, points=points, neighbours=neighbours, limit=limit
+    )
+
+
+def walk_many(
+    problem: Problem,
+    postures: Array,
+    at: ArrayLike,
+    *,
+    jobs: int | None = None,
+    first: ArrayLike = 0,
+    points: int | None = None,
+    scale: ArrayLike = 1.0,
+    options: Options | None = None,
+) -> Walked:
+    """Walk from postures (s, n) through the path; see `dualarm_pin.engine.walks.walk_many`."""
+    from dualarm_pin.engine.walks import walk_many as run
+
+    compare(problem)
+    return run(
+        problem,
+        postures,
+        at,
+        jobs=jobs,
+        first=first,
+        points=points,
+        scale=scale,
+        options=options,
     )
 
 

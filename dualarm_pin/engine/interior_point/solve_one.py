@@ -30,7 +30,7 @@ from dualarm_pin.engine.jit.compiled import compiled, copy_rows, inlined
 from dualarm_pin.engine.workspace import Iterate, Workspace
 from dualarm_pin.problem import Problem
 
-CONVERGED, ITERATION_LIMIT, INFEASIBLE, STALLED, NOT_RUN = 0, 1, 2, 3, 4
+CONVERGED, ITERATION_LIMIT, INFEASIBLE, STALLED, NOT_RUN, DROPPED = 0, 1, 2, 3, 4, 5
 
 # kappa_mu, theta_mu, kappa_epsilon and tau_min of Waechter and Biegler (2006), table 3
 _MU_FACTOR, _MU_POWER, _MU_ERROR = 0.2, 1.5, 10.0
@@ -38,6 +38,10 @@ _TAU_MIN = 0.99
 # A restoration starts its barrier problem anew; five were never passed by a start that converged.
 _RESTORATIONS, _RESTORE_STEPS, _RESTORE_TOLERANCE, _RESTORE_MU = 5, 50, 1e-9, 1e-3
 _FEASIBLE = 1e-6  # m, 2 sin(angle / 2) or unit of a row: a residual below it is on the path
+_ROUGH = 1e-5  # a solve to a larger tolerance says nothing of what can be reached: not looked into
+# A start is dropped if falling on as fast as in the last _LOOK iterations would not bring it below
+# its limit within _PATIENCE times as many: halves the price of starts, and loses few slow ones.
+_LOOK, _PATIENCE = 4, 8.0
 _SADDLE_SHIFT = 1e-6  # a larger shift was needed because some direction leads down
 
 
@@ -49,19 +53,21 @@ class Settings(NamedTuple):
         iterations: Cap.
         mu: First barrier parameter.
         push: Share of the range to which the start is moved away from the bounds.
+        limit: Dropped once it is clear that it will not come below this objective.
     """
 
     tolerance: float
     iterations: int
     mu: float
     push: float
+    limit: float
 
 
 class Report(NamedTuple):
     """How a solve ended; everything is evaluated at the iterate left in `work.at`.
 
     Attributes:
-        status: CONVERGED, ITERATION_LIMIT, INFEASIBLE or STALLED.
+        status: CONVERGED, ITERATION_LIMIT, INFEASIBLE, STALLED or DROPPED.
         iterations: Newton steps and restorations.
         objective: f.
         residual: Largest violation of a row.
@@ -98,7 +104,7 @@ def solve_one(  # noqa: PLR0915  one loop, in the order of algorithm A of Waecht
     best_merit = Merit(math.inf, 0.0, math.inf)
     limits = Limits(1e-4 * max(1.0, now.violation), 1e4 * max(1.0, now.violation))
     status, iterations, restorations, filtered = ITERATION_LIMIT, 0, 0, 0
-    shift, used, dual, left = 0.0, 0.0, math.inf, 0.0
+    shift, used, dual, left, looked = 0.0, 0.0, math.inf, 0.0, math.inf
     while True:
         all_derivatives(problem, work, at)
         dual, primal, high, low, scale = optimality(problem, work, at)
@@ -110,6 +116,11 @@ def solve_one(  # noqa: PLR0915  one loop, in the order of algorithm A of Waecht
             copy_iterate(at, best)
         if iterations >= settings.iterations:
             break
+        if iterations % _LOOK == 0:
+            fall, looked = looked - now.objective, now.objective
+            if iterations > _LOOK and looked - _PATIENCE * max(fall, 0.0) > settings.limit:
+                status = DROPPED
+                break
         iterations += 1
         smaller = _next_mu(mu, floor, dual, primal, high, low, scale)
         if smaller < mu:
@@ -147,7 +158,7 @@ def solve_one(  # noqa: PLR0915  one loop, in the order of algorithm A of Waecht
         all_derivatives(problem, work, at)
         dual = optimality(problem, work, at)[0]
     residual = largest(problem, work.residual, work.gap)
-    if status == ITERATION_LIMIT and residual > _FEASIBLE:
+    if status == ITERATION_LIMIT and residual > _FEASIBLE and settings.tolerance < _ROUGH:
         status = _reachable(problem, work, at)
     return Report(status, iterations, now.objective, residual, dual, mu, used > _SADDLE_SHIFT)
 
