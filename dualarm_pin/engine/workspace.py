@@ -45,6 +45,7 @@ class Scratch(NamedTuple):
     row_columns: Annotated[Floats, "6 E"]  # motion of body b seen from body a
     row_slope: Annotated[Floats, "6"]  # dg by the twist of b
     row_bend: Annotated[Floats, "6 6"]  # second derivative
+    row_bent: Annotated[Floats, "6"]  # the same times one column
     row_frame: Annotated[Floats, "3 3"]  # rotation of a in e1
     row_turn: Annotated[Floats, "3 3"]  # rotation of b in a
     row_other: Annotated[Floats, "3 3"]  # rotation of b in e1

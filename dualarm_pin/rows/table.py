@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from dualarm_pin.chain import Body, body_of, chain_of
 from dualarm_pin.errors import InputError
+from dualarm_pin.rows.capsules import capsule_pair
 from dualarm_pin.rows.half_space import plane_point
 from dualarm_pin.rows.row import Row
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
 
-# A plane of one body against a point of another has code of its own, any other row is called.
-PLANE_POINT, CALLED = 0, 1
+# A plane against a point and two capsules have code of their own, any other row is called.
+PLANE_POINT, CALLED, CAPSULES = 0, 1, 2
 PLACEMENTS = 24  # numbers before the parameters of a called row: rotation and position of a and b
 
 
@@ -27,12 +28,13 @@ class RowTable(NamedTuple):
 
     Attributes:
         size: (k,) rows at each point.
-        kind: (k, r) PLANE_POINT or CALLED.
+        kind: (k, r) PLANE_POINT, CAPSULES or CALLED.
         source: (k, r) which row of the problem it is.
         first: (k, r) segment of body a on the chain.
         second: (k, r) segment of body b.
-        data: (k, r, w) a plane [normal; offset] in segment a and a point in segment b; or the
-            placements of a and b in their segments (rotation by rows, position), then parameters.
+        data: (k, r, w) a plane [normal; offset] in segment a and a point in segment b; or two ends
+            in segment a, two in segment b and their distance; or the placements of a and b in their
+            segments (rotation by rows, position), then parameters.
     """
 
     size: NDArray[np.int64]
@@ -96,6 +98,10 @@ def _entry(row: Row, cell: Cell, turn: Any | None) -> tuple[int, int, int, NDArr
         offset = row.parameters[3] + normal @ a.placement.translation
         point = b.placement.act(row.parameters[4:7])
         return PLANE_POINT, a.segment, b.segment, np.array([*normal, offset, *point])
+    if row.phi is capsule_pair:
+        ends = row.parameters[:12].reshape(4, 3)
+        moved = [body.placement.act(end) for body, end in zip((a, a, b, b), ends, strict=True)]
+        return CAPSULES, a.segment, b.segment, np.array([*np.ravel(moved), row.parameters[12]])
     placements = [
         part for body in (a, b) for part in (body.placement.rotation, body.placement.translation)
     ]
