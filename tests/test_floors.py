@@ -18,7 +18,7 @@ FLOORS = [
     {"planners", "show", "exports"},
     {"evidence"},
     {"motion"},
-    {"search", "answer"},
+    {"search", "answer", "repair"},
     {"task", "solvers"},
     {"engine"},
     {"problem", "placement"},

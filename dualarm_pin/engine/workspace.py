@@ -138,6 +138,11 @@ def new_workspace(k: int, elements: int, n: int, m: int, r: int, rows: int) -> W
     return _allocate(Workspace, sizes | {"rows": rows, "f": FILTER_SIZE})
 
 
+def new_scratch(elements: int, n: int, rows: int) -> Scratch:
+    """Allocate the room for one point; the arguments are those of `new_workspace`."""
+    return _allocate(Scratch, {"E": elements, "E+1": elements + 1, "n": n, "rows": rows})
+
+
 def _allocate(record: type[T], sizes: dict[str, int]) -> T:
     room = []
     for kind, shape, dtype in _layout(record):

@@ -13,6 +13,7 @@ from dualarm_pin.answer.notes import GlobalNotes, PolishNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.evidence.laws import count_laws, laws_suffice
 from dualarm_pin.planners.forbidden import forbidden
 from dualarm_pin.planners.unreachable import unreachable
@@ -125,6 +126,25 @@ def plan_global(
         raise KeyboardInterrupt  # nothing is finished that could be kept
     if best is None:
         return unreachable(task, problem, "global", name_of(solver), seed, clock)
+    ends = search.ends()
+    if asked_of(task).any and ends is not None:
+        from dualarm_pin.planners.apart import plan_apart
+
+        apart = plan_apart(
+            task,
+            best,
+            ends,
+            effort=effort,
+            solver=name_of(solver),
+            seed=seed,
+            jobs=jobs,
+            clock=clock,
+            compile_s=compile_s,
+            interrupted=interrupted,
+            progress=progress,
+        )
+        if apart is not None:
+            return apart
     q, local = check_minimum(problem, best, seed=seed, jobs=jobs)
     bound = None
     if budget.bound and not interrupted:
@@ -268,10 +288,15 @@ class _Search:
 
     def best(self) -> Array | None:
         """Return the best path (k, n) of all starts and hops so far."""
+        ends = self.ends()
+        return None if ends is None else Drawn(0, ends).best
+
+    def ends(self) -> Solutions | None:
+        """Return the ends of all starts and hops so far."""
         ends = [each.ends for law in self.laws if (each := law.drawn()) is not None]
         if self.hops.ends is not None:
             ends.append(self.hops.ends)
-        return Drawn(0, Solutions.join(ends)).best if ends else None
+        return Solutions.join(ends) if ends else None
 
     def agree(self, q: Array) -> bool:
         """Tell whether two laws, or the only one, ended in the basin of q."""

@@ -1,8 +1,8 @@
 """What must hold at the points of a path: the pose rows (eq. 17), and rows of the user's own.
 
-`above`, `below`, `half_space`, `axis_within` and `capsules` make a `Row`, `inside` and `joint_range`
-several; any function of the pose of one body in another makes one too: `Row("name", "arm1/tip",
-"arm2/tip", phi)`.
+`above`, `below`, `half_space`, `axis_within` and `capsules` make a `Row`, `inside` and
+`joint_range` several; any function of the pose of one body in another makes one too: `Row("name",
+"arm1/tip", "arm2/tip", phi)`.
 """
 
 from dualarm_pin.rows.angles import axis_within, joint_range

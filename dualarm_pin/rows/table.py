@@ -20,7 +20,12 @@ if TYPE_CHECKING:
 
 # A plane against a point and two capsules have code of their own, any other row is called.
 PLANE_POINT, CALLED, CAPSULES = 0, 1, 2
+_WIDTH = 16  # rows: few shapes of tables, and little room that no row takes
 PLACEMENTS = 24  # numbers before the parameters of a called row: rotation and position of a and b
+
+
+Floats = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 class RowTable(NamedTuple):
@@ -37,12 +42,12 @@ class RowTable(NamedTuple):
             segments (rotation by rows, position), then parameters.
     """
 
-    size: NDArray[np.int64]
-    kind: NDArray[np.int64]
-    source: NDArray[np.int64]
-    first: NDArray[np.int64]
-    second: NDArray[np.int64]
-    data: NDArray[np.float64]
+    size: Integers
+    kind: Integers
+    source: Integers
+    first: Integers
+    second: Integers
+    data: Floats
 
 
 def row_table(
@@ -73,14 +78,7 @@ def row_table(
             )
     r = max(map(len, at), default=0)
     width = max((len(data) for *_, data in entries.values()), default=0)
-    table = RowTable(
-        size=np.array([len(numbers) for numbers in at], dtype=np.int64),
-        kind=np.zeros((k, r), dtype=np.int64),
-        source=np.zeros((k, r), dtype=np.int64),
-        first=np.zeros((k, r), dtype=np.int64),
-        second=np.zeros((k, r), dtype=np.int64),
-        data=np.zeros((k, r, width)),
-    )
+    table = _room(np.array([len(numbers) for numbers in at], dtype=np.int64), r, width)
     for i, numbers in enumerate(at):
         for j, number in enumerate(numbers):
             kind, first, second, data = entries[number]
@@ -90,7 +88,7 @@ def row_table(
     return table
 
 
-def _entry(row: Row, cell: Cell, turn: Any | None) -> tuple[int, int, int, NDArray[np.float64]]:
+def _entry(row: Row, cell: Cell, turn: Any | None) -> tuple[int, int, int, Floats]:
     a, b = (_on_chain(cell, frame, turn, row) for frame in row.frames(cell))
     if row.phi is plane_point:
         # The same plane in the frame of segment a: n' = R n, d' = d + n' . p.
@@ -119,3 +117,57 @@ def _on_chain(cell: Cell, frame: int, turn: Any | None, row: Row) -> Body:
         return body
     back = pin.SE3(np.asarray(turn).T, np.zeros(3))
     return Body(body.segment, back * body.placement)
+
+
+def _room(size: Integers, r: int, width: int) -> RowTable:
+    """Return a table without rows yet: `size` (k,) at each point, r at most, w numbers each."""
+    k = len(size)
+    return RowTable(
+        size=size,
+        kind=np.zeros((k, r), dtype=np.int64),
+        source=np.zeros((k, r), dtype=np.int64),
+        first=np.zeros((k, r), dtype=np.int64),
+        second=np.zeros((k, r), dtype=np.int64),
+        data=np.zeros((k, r, width)),
+    )
+
+
+def extended(table: RowTable, more: RowTable) -> RowTable:
+    """Return a table with the rows of another one after its own at every point.
+
+    Its width is a multiple of `_WIDTH`, so that room for one table of rows does for the next.
+    """
+    r = int(np.max(table.size + more.size, initial=0))
+    room = -(-r // _WIDTH) * _WIDTH
+    width = max(table.data.shape[2], more.data.shape[2])
+    result = _room(table.size + more.size, room, width)
+    for part, start in ((table, np.zeros_like(table.size)), (more, table.size)):
+        i, j = np.nonzero(np.arange(part.kind.shape[1]) < part.size[:, None])
+        at = start[i] + j
+        for name in ("kind", "source", "first", "second"):
+            getattr(result, name)[i, at] = getattr(part, name)[i, j]
+        result.data[i, at, : part.data.shape[2]] = part.data[i, j]
+    return result
+
+
+def pair_table(
+    k: int, point: Integers, kind: int, first: Integers, second: Integers, data: Floats
+) -> RowTable:
+    """Return rows of one kind as a table.
+
+    Args:
+        k: Points of the path.
+        point: (c,) where each row holds, ascending.
+        kind: PLANE_POINT or CAPSULES.
+        first: (c,) segment of body a.
+        second: (c,) segment of body b.
+        data: (c, w) as in `RowTable`.
+    """
+    size = np.bincount(point, minlength=k)
+    at = np.arange(len(point)) - np.repeat(np.cumsum(size) - size, size)
+    r = int(np.max(size, initial=0))
+    table = _room(size.astype(np.int64), r, data.shape[1])
+    table.kind[:] = kind
+    table.first[point, at], table.second[point, at] = first, second
+    table.data[point, at] = data
+    return table
