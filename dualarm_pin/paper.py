@@ -118,6 +118,10 @@ def reproduce(
     whole = plan_global(task, effort="quick", seed=seed, jobs=jobs, progress=progress)
     trajectories["whole path"] = whole
     progress.line(f"whole path at once: mean c {whole.mean_index:.4f}")
+    clear = Task.load(urdf_folder() / "tasks" / "paper_corner_clear.yaml")
+    apart = plan_global(clear, effort="quick", seed=seed, jobs=jobs, progress=progress)
+    trajectories["whole path, clearance 0.05"] = apart
+    progress.line(f"with clearance: mean c {apart.mean_index:.4f}")
     for variant in ("free", "clamped", "qp"):
         trajectories[f"pseudo-inverse, {variant}"] = plan_local(
             task, two_stage.q[0], variant=variant, seed=seed, progress=progress

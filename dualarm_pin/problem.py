@@ -30,7 +30,7 @@ from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.indices import Index
 from dualarm_pin.relative import Relative
 from dualarm_pin.rows.row import Row
-from dualarm_pin.rows.table import RowTable, row_table
+from dualarm_pin.rows.table import RowTable, extended, row_table
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
@@ -351,6 +351,16 @@ class Problem:
         bounds = _barrier_bounds(low, high)
         terms = _index_terms(self.index, bounds)
         return replace(self, lower=low, upper=high, bounds=bounds, terms=terms)
+
+    def with_pairs(self, pairs: RowTable) -> Problem:
+        """Return the problem with further inequality rows, which the engine alone knows.
+
+        Nothing else is made anew, so they may change from one solve to the next.
+
+        Args:
+            pairs: Rows of kinds that have code of their own: a plane and a point, or two capsules.
+        """
+        return replace(self, inequalities=extended(self.inequalities, pairs))
 
     def scaled(self) -> Problem:
         """Return the problem with its objective divided by `size`, for a solver's tolerances."""

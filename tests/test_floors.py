@@ -19,7 +19,7 @@ FLOORS = [
     {"feed"},
     {"evidence"},
     {"motion"},
-    {"search", "answer"},
+    {"search", "answer", "repair"},
     {"task", "solvers"},
     {"engine"},
     {"problem", "placement"},

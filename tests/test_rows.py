@@ -19,7 +19,8 @@ from dualarm_pin.evidence.kkt import stationarity
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.reference import equalities, inequalities, violation
 from dualarm_pin.relative import Relative
-from dualarm_pin.rows import Row, above, axis_within, below, half_space
+from dualarm_pin.rows import Row, above, axis_within, below, capsules, half_space
+from dualarm_pin.rows.capsules import nearest_of_segments
 from dualarm_pin.solvers import casadi_ipopt, slsqp
 from dualarm_pin.task import Task
 
@@ -62,6 +63,15 @@ PAIRS = [
 ROWS = {
     "plane": lambda a, b: half_space(b, [0.3, -0.5, 0.8], 0.1, of=a, point=[0.1, 0.2, -0.3]),
     "axis": lambda a, b: axis_within(b, (0.3, 0.5, -0.8), (1, 2, 2), 40.0, seen_from=a),
+    "capsules": lambda a, b: capsules(
+        b, a, [[0.1, 0.2, -0.3], [0.3, 0.2, 0.5]], [[-0.5, 0.1, 0.2], [0.2, 0.1, -0.2]], 0.1
+    ),
+    "crossing capsules": lambda a, b: capsules(
+        b, a, [[-4, 0.2, -0.3], [5, 0.2, 0.5]], [[0.1, -4, 0.2], [0.2, 5, -0.2]], 0.1
+    ),
+    "capsule and sphere": lambda a, b: capsules(
+        a, b, [[0.1, 0.2, -0.3], [0.3, 0.2, 0.5]], [[0.5, 0.1, 0.2]] * 2, 0.1
+    ),
     "own": own,
     "own, by differences": lambda a, b: own(a, b, slope=None),
     "equality": lambda a, b: replace(own(a, b), equality=True),
@@ -113,6 +123,20 @@ def test_the_engine_has_value_gradient_and_hessian_of_a_row(pair, make) -> None:
             expected = (gradient(q + moved) - gradient(q - moved))[i] / (2.0 * step)
             scale = max(1.0, np.abs(expected).max())
             np.testing.assert_allclose(at.hessian[i, :, k], expected, atol=3e-5 * scale)
+
+
+def test_segments_are_nearest_where_they_are() -> None:
+    """Against a fine grid: crossing, end to end, parallel, and with one or two of no length."""
+    random, grid = np.random.default_rng(3), np.linspace(0.0, 1.0, 201)
+    for case in range(40):
+        A, B, a, b = random.normal(size=(4, 3))
+        a = {0: 0.0 * a, 1: a, 2: 1.5 * b, 3: 3.0 * a}[case % 4]
+        b = b if case % 8 < 4 else 0.0 * b
+        s, t, *moves = nearest_of_segments(a @ a, a @ b, b @ b, a @ (A - B), b @ (A - B))
+        near = np.linalg.norm(B + t * b - A - s * a)
+        every = (B + np.outer(grid, b))[None] - (A + np.outer(grid, a))[:, None]
+        assert near <= np.linalg.norm(every, axis=2).min() + 1e-12
+        assert all(0.0 < at < 1.0 for at, moved in zip((s, t), moves, strict=True) if moved)
 
 
 @pytest.mark.parametrize("spin_axis", [[0, 0, 1.0], [0.3, -0.8, 0.5]])

@@ -147,7 +147,7 @@ class Checked:
         clearance: Over all pairs that must not touch; None if geometry is missing.
         arm_clearance: Between the two arms: a wrist always sits close to its own forearm, so this
             one tells more. None if geometry is missing.
-        found: All errors are within tolerance.
+        found: All errors are within tolerance, and bodies keep the distances asked for.
         rows: What the rows of the task come to.
         smoothing_error: Largest distance of `index` from a smooth index that was minimised in its
             place, 0 where it was minimised itself [unit of the index].

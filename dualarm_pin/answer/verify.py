@@ -133,7 +133,8 @@ def verify(
         found=bool(np.all(position_error <= tolerance.position))
         and bool(np.all(rotation_error <= tolerance.rotation))
         and bool(np.all(violation <= tolerance.bound))
-        and all(row.violation <= tolerance.row for row in rows),
+        and all(row.violation <= tolerance.row for row in rows)
+        and (apart is None or apart.kept),
         rows=tuple(rows),
         smoothing_error=float(np.max(np.abs(minimised - index), initial=0.0)),
         apart=apart,
@@ -184,6 +185,8 @@ def _why_not(checked: Checked) -> str:
             f"not verified: {broken.name} is violated by {broken.violation:.2g} {broken.units} at "
             f"point {broken.worst + 1}"
         )
+    if checked.apart is not None and not checked.apart.kept:
+        return f"not verified: {checked.apart.worst}"
     worst = int(np.argmax(checked.position_error + checked.rotation_error))
     return (
         f"not verified: point {worst + 1} is {checked.position_error[worst]:.2g} m and "

@@ -54,6 +54,11 @@ class CellGeometry(CellParts):
         return self._bodies.hulls.model
 
     @property
+    def collision_meshes(self) -> pin.GeometryModel:
+        """The same bodies and pairs, with the meshes as they are."""
+        return self._bodies.meshes.model
+
+    @property
     def visual(self) -> pin.GeometryModel:
         """Bodies for the eye."""
         return self._bodies.visual.model

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from dualarm_pin.chain import Floats, Integers
 from dualarm_pin.engine.chain.derivatives import point_value
-from dualarm_pin.engine.chain.kinematics import relative_jacobian
+from dualarm_pin.engine.chain.kinematics import place_segments, relative_jacobian
+from dualarm_pin.engine.chain.row_terms import row_values
 from dualarm_pin.engine.interior_point.objective import all_derivatives, objective
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, Settings, solve_one
 from dualarm_pin.engine.interior_point.walk import LOST, take_step, visited
 from dualarm_pin.engine.jit import records  # noqa: F401  registers what compiled code reads
 from dualarm_pin.engine.jit.compiled import copy_rows, entry, source_stamp
-from dualarm_pin.engine.workspace import Workspace
+from dualarm_pin.engine.workspace import Scratch, Workspace
 from dualarm_pin.problem import Problem
 
 _STAMP = source_stamp()
@@ -112,5 +113,17 @@ def _make_evaluate(stamp: int):  # type: ignore[no-untyped-def]
     return entry(evaluate)
 
 
+def _make_gaps(stamp: int):  # type: ignore[no-untyped-def]
+    def gaps(problem: Problem, scratch: Scratch, q: Floats, values: Floats) -> int:
+        """Fill values (k, r) with the inequality rows at q (k, n)."""
+        for i in range(q.shape[0]):
+            place_segments(problem.chain, q[i], scratch.place)
+            row_values(problem.inequalities, i, scratch, values[i])
+        return stamp
+
+    return entry(gaps)
+
+
 solve_items = _make_solve_items(_STAMP)
 evaluate = _make_evaluate(_STAMP)
+gaps = _make_gaps(_STAMP)

@@ -17,7 +17,7 @@ from dualarm_pin.engine import entries
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
 from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
 from dualarm_pin.engine.kernels.address import index_address
-from dualarm_pin.engine.workspace import Workspace, new_workspace
+from dualarm_pin.engine.workspace import Scratch, Workspace, new_scratch, new_workspace
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.problem import CALLED, Problem
 from dualarm_pin.rows import table
@@ -223,6 +223,21 @@ def evaluate(
     )
 
 
+def gaps(problem: Problem, q: ArrayLike) -> Floats:
+    """Return the inequality rows (k, r) at q (k, n), without derivatives; 0 beyond a point's own.
+
+    Raises:
+        ShapeError: q has another shape.
+        InputError: A value is not finite.
+    """
+    postures = checked("q", q, (problem.k, problem.n))
+    values = np.zeros(problem.inequalities.kind.shape)
+    scratch = new_scratch(len(problem.chain.kind), problem.n, len(problem.rows))
+    _set_calls(problem, scratch)
+    entries.gaps(problem, scratch, postures, values)
+    return values
+
+
 def kinematics(problem: Problem, q: Floats) -> tuple[Floats, float]:
     """Return J_r (6, n) and the largest pose residual at q (n,) of a problem of one point.
 
@@ -357,13 +372,13 @@ def workspace_for(problem: Problem, path: Problem | None = None) -> Workspace:
     if work is None or known != shape:
         work = _new_workspace(problem)
         rooms[problem.k == 1] = shape, work
-    _set_calls(path or problem, work)
+    _set_calls(path or problem, work.scratch)
     return work
 
 
 def _new_workspace(problem: Problem) -> Workspace:
     work = new_workspace(problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
-    _set_calls(problem, work)
+    _set_calls(problem, work.scratch)
     return work
 
 
@@ -371,14 +386,14 @@ def _widths(problem: Problem) -> tuple[int, int, int]:
     return problem.m, problem.inequalities.kind.shape[1], len(problem.rows)
 
 
-def _set_calls(problem: Problem, work: Workspace) -> None:
+def _set_calls(problem: Problem, scratch: Scratch) -> None:
     """Put the addresses of the index and the rows that have no kernel of their own."""
     index = problem.index
     if problem.terms.kind == CALLED:
-        work.scratch.index_call[0] = index_address(problem, work.scratch)
+        scratch.index_call[0] = index_address(problem, scratch)
         if not index.kernel:
             functions = (index.phi, index.gradient, index.curvature)
-            work.scratch.index_calls[:] = addresses(index.name, functions, INDEX)
+            scratch.index_calls[:] = addresses(index.name, functions, INDEX)
     called = {
         int(source)
         for rows in (problem.equalities, problem.inequalities)
@@ -389,9 +404,7 @@ def _set_calls(problem: Problem, work: Workspace) -> None:
         assert row.slope is not None  # set when the row was made
         assert row.bend is not None
         signatures = row_signatures(len(row.parameters))
-        work.scratch.row_calls[number] = addresses(
-            row.name, (row.phi, row.slope, row.bend), signatures
-        )
+        scratch.row_calls[number] = addresses(row.name, (row.phi, row.slope, row.bend), signatures)
 
 
 def _load(warm: Multipliers, work: Workspace, size: float) -> None:
@@ -411,6 +424,7 @@ __all__ = [
     "Evaluation",
     "Options",
     "evaluate",
+    "gaps",
     "solve",
     "solve_many",
     "usable_cores",

@@ -51,6 +51,7 @@ class Scratch(NamedTuple):
     row_columns: Annotated[Floats, "6 E"]  # motion of body b seen from body a
     row_slope: Annotated[Floats, "6"]  # dg by the twist of b
     row_bend: Annotated[Floats, "6 6"]  # second derivative
+    row_bent: Annotated[Floats, "6"]  # the same times one column
     row_frame: Annotated[Floats, "3 3"]  # rotation of a in e1
     row_turn: Annotated[Floats, "3 3"]  # rotation of b in a
     row_other: Annotated[Floats, "3 3"]  # rotation of b in e1
@@ -141,6 +142,11 @@ def new_workspace(k: int, elements: int, n: int, m: int, r: int, rows: int) -> W
     """
     sizes = {"k": k, "E": elements, "E+1": elements + 1, "n": n, "m": m, "r": r, "m+r": m + r}
     return _allocate(Workspace, sizes | {"rows": rows, "f": FILTER_SIZE})
+
+
+def new_scratch(elements: int, n: int, rows: int) -> Scratch:
+    """Allocate the room for one point; the arguments are those of `new_workspace`."""
+    return _allocate(Scratch, {"E": elements, "E+1": elements + 1, "n": n, "rows": rows})
 
 
 def _allocate(record: type[T], sizes: dict[str, int]) -> T:

@@ -5,6 +5,7 @@ It shows a strict local minimum, within floating point, and nothing beyond its o
 
 from __future__ import annotations
 
+from math import nan
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -59,10 +60,21 @@ def check_minimum(
             break
         q, adopted = better, adopted + 1
         best = problem.objective(q)
+    return q, _local(problem, q, radius, share, adopted)
+
+
+def check_held(problem: Problem, q: Array) -> LocalCheck:
+    """Check a path (k, n) without trying starts nearby: rows that hold it there are right there."""
+    return _local(problem, q, None, nan, 0)
+
+
+def _local(
+    problem: Problem, q: Array, radius: float | None, share: float, adopted: int
+) -> LocalCheck:
     first = stationarity(problem, q)
     curvature, directions = curvature_min(problem, q, first)
     cost = np.sum(first.bound_multipliers, axis=0)
-    return q, LocalCheck(
+    return LocalCheck(
         objective=float(first.objective),
         feasibility=first.residual,
         stationarity=first.stationarity,

@@ -25,7 +25,7 @@ from dualarm_pin.search.law import Counted, Drawn, Joined, Law
 from dualarm_pin.search.track import Round
 from dualarm_pin.search.whole_path import WholePathLaw
 from dualarm_pin.search.work import Work
-from dualarm_pin.solution import Solutions
+from dualarm_pin.solution import Solutions, distinct
 from dualarm_pin.solvers.shipped import InteriorPoint
 from dualarm_pin.solvers.solver import Solver
 from dualarm_pin.tolerance import TOLERANCE
@@ -141,6 +141,18 @@ class Search:
         if start is None or (q is not None and value <= self.problem.objective(start)):
             return q
         return start
+
+    def minima(self) -> list[tuple[float, Array]]:
+        """Return objective and path of all that was found, the best first."""
+        pools = [each.pool for each in self.independent]
+        pools += [self._joint.pool] if self._joint is not None else []
+        found = [pair for p in pools for pair in zip(p.objectives, p.paths, strict=True)]
+        for law in self.further:
+            drawn = law.drawn()
+            if drawn is not None:
+                ends = distinct(drawn.ends).ends
+                found += zip(ends.objective.tolist(), ends.q, strict=True)
+        return sorted(found, key=lambda pair: pair[0])
 
     def searches(self, objective: float) -> Searches | None:
         """Return what the independent searches came to, or the rounds of the only one."""

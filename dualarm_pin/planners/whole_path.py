@@ -13,6 +13,7 @@ from dualarm_pin.answer.notes import GlobalNotes, PolishNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.evidence.laws import count_laws
 from dualarm_pin.planners.forbidden import forbidden
 from dualarm_pin.planners.unreachable import unreachable
@@ -87,6 +88,24 @@ def plan_global(
     if best is None:
         return unreachable(task, problem, "global", name_of(solver), seed, clock)
     interrupted = interrupted or search.cut
+    if asked_of(task).any:
+        from dualarm_pin.planners.apart import plan_apart
+
+        apart = plan_apart(
+            task,
+            best,
+            search.minima(),
+            effort=effort,
+            solver=name_of(solver),
+            seed=seed,
+            jobs=jobs,
+            clock=clock,
+            compile_s=compile_s,
+            interrupted=interrupted,
+            progress=progress,
+        )
+        if apart is not None:
+            return apart
     q, local = check_minimum(problem, best, seed=seed, jobs=jobs, work=budget.check)
     bound = None
     if budget.bound and not interrupted:

@@ -8,17 +8,19 @@ for p the position of e2, elements j nearer to a than l, and slope and bend as `
     d g / dq_j         = slope . [v_j; w_j]
     d2 g / dq_j dq_l   = [v_j; w_j] . bend [v_l; w_l] + slope . [w_j x v_l; w_j x w_l / 2]
 
-For a plane of a and a point of b, slope is [normal; 0] and bend is 0 if x is the point itself.
+For a plane of a and a point of b, slope is [normal; 0] and bend is 0 if x is the point itself; for
+two capsules see `capsule_terms`.
 """
 
 from __future__ import annotations
 
 from dualarm_pin.chain import VARIABLE, Chain, Floats
+from dualarm_pin.engine.chain.capsule_terms import capsule_distance, capsule_terms
 from dualarm_pin.engine.chain.vectors import Vector, cross, dot, rotate
 from dualarm_pin.engine.jit.address import call_address
 from dualarm_pin.engine.jit.compiled import compiled
 from dualarm_pin.engine.workspace import Scratch
-from dualarm_pin.rows.table import PLACEMENTS, PLANE_POINT, RowTable
+from dualarm_pin.rows.table import CAPSULES, PLACEMENTS, PLANE_POINT, RowTable
 
 
 @compiled
@@ -30,6 +32,8 @@ def row_values(table: RowTable, i: int, scratch: Scratch, values: Floats) -> Non
             place, data = scratch.place[table.first[i, j]], table.data[i, j]
             arm = (x[0] - place[0], x[1] - place[1], x[2] - place[2])
             values[j] = dot(normal, arm) - data[3]
+        elif table.kind[i, j] == CAPSULES:
+            values[j] = capsule_distance(table, i, j, scratch)[0] - table.data[i, j, 12]
         else:
             _relative_pose(table, i, j, scratch)
             _call(table, i, j, scratch, 0, scratch.row_value.ctypes.data)
@@ -55,6 +59,10 @@ def row_terms(
         _columns_at(table, i, j, x, scratch)
         scratch.row_slope[:] = 0.0
         scratch.row_slope[0], scratch.row_slope[1], scratch.row_slope[2] = normal
+    elif table.kind[i, j] == CAPSULES:
+        x = capsule_terms(table, i, j, scratch)
+        _columns_at(table, i, j, x, scratch)
+        _add_bend(table, i, j, multiplier, scratch)
     else:
         x = _relative_pose(table, i, j, scratch)
         _columns_at(table, i, j, x, scratch)
@@ -196,10 +204,15 @@ def _add_bend(table: RowTable, i: int, j: int, multiplier: float, scratch: Scrat
     """Add multiplier * column_d . bend column_e."""
     first, last, _ = _range(table, i, j)
     columns, bend, second = scratch.row_columns, scratch.row_bend, scratch.second
+    bent = scratch.row_bent
     for e in range(first, last):
+        for r in range(6):
+            along = 0.0
+            for c in range(6):
+                along += bend[r, c] * columns[c, e]
+            bent[r] = multiplier * along
         for d in range(first, e + 1):
             entry = 0.0
             for r in range(6):
-                for c in range(6):
-                    entry += columns[r, d] * bend[r, c] * columns[c, e]
-            second[d, e] += multiplier * entry
+                entry += columns[r, d] * bent[r]
+            second[d, e] += entry

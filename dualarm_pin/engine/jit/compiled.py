@@ -131,7 +131,10 @@ def source_stamp() -> int:
     """Return a number that changes with any source file of the engine or its records."""
     digest = hashlib.sha256()
     engine = Path(__file__).parents[1]
-    records = [engine.parent / name for name in ("chain.py", "problem.py", "rows/table.py")]
+    records = [
+        engine.parent / name
+        for name in ("chain.py", "problem.py", "rows/table.py", "rows/capsules.py")
+    ]
     for file in sorted([*engine.rglob("*.py"), *records]):
         digest.update(file.read_bytes())
     return int.from_bytes(digest.digest()[:6], "big")

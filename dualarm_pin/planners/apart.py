@@ -1,0 +1,142 @@
+"""The whole path with clearance: what the search found, moved until its bodies are far apart."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dualarm_pin.answer.evidence import Evidence
+from dualarm_pin.answer.notes import GlobalNotes
+from dualarm_pin.answer.provenance import Clock
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.answer.verify import verified
+from dualarm_pin.arrays import Array
+from dualarm_pin.clearance.asked import asked_of
+from dualarm_pin.evidence.check import check_held, polished
+from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.problem import Problem
+from dualarm_pin.progress import Progress
+from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.bodies import asked_pairs
+from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
+from dualarm_pin.repair.survey import Survey
+from dualarm_pin.rows import Row, half_space
+from dualarm_pin.rows.row import WORLD
+
+if TYPE_CHECKING:
+    from dualarm_pin.cell import Cell
+    from dualarm_pin.task import Task
+
+_NEAR, _HELD = 0.05, 1e-3  # m: with more room, before and after, a row has no part in the path
+
+
+def plan_apart(
+    task: Task,
+    best: Array,
+    minima: Sequence[tuple[float, Array]],
+    *,
+    effort: str,
+    solver: str,
+    seed: int,
+    jobs: int | None,
+    clock: Clock,
+    compile_s: float,
+    interrupted: bool,
+    progress: Progress,
+) -> Trajectory | None:
+    """Return the best path that keeps its bodies apart, or None where the best path does.
+
+    Where there is none, that of the search is returned, not found, and its message says which
+    bodies are how near.
+
+    Args:
+        task: What is asked.
+        best: The best path (h, n) of a search without rows of pairs.
+        minima: Objective and path of all that the search came to, the best first.
+        effort: How far to look.
+        solver: Name of the solver of the search.
+        seed: Of the starts.
+        jobs: Threads.
+        clock: Started with the search.
+        compile_s: Seconds that compiling took.
+        interrupted: The search was cut short.
+        progress: Told where the work stands.
+    """
+    assert task.clearance is not None
+    problem = task.problem()
+    survey = Survey(problem, asked_pairs(task.cell, asked_of(task).required))
+    basin = Basin(survey, between=task.clearance.between_points)
+    if basin.keeps(best):
+        return None
+    progress.stage("paths that keep the bodies apart")
+    apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs)
+    q, evidence = best, Evidence()
+    if apart.best is not None:
+        q = _polished(basin, apart.best)
+        evidence = _evidence(held_problem(task, survey, apart.best), q, apart)
+    answer = verified(
+        task,
+        q,
+        method="global",
+        solver=solver,
+        timing=clock.read(compile_s),
+        seed=seed,
+        evidence=evidence,
+        notes=GlobalNotes(effort=effort, interrupted=interrupted or not apart.complete),
+    )
+    if apart.best is None:
+        tried = f"none of {apart.tried} paths that were tried keeps the clearance that is asked for"
+        near = answer.message.removeprefix("not verified: ")
+        return replace(answer, message=f"{tried}; in the best path without it {near}")
+    return answer
+
+
+def _polished(basin: Basin, path: Repaired) -> Array:
+    """Return a path at the tolerance of an answer, or as it is where its bodies then lack room."""
+    q = polished(path.problem, path.q)
+    return q if basin.keeps(q) else path.q
+
+
+def _evidence(problem: Problem, q: Array, apart: Apart) -> Evidence:
+    """Return what is known of the best path: its neighbourhood, and how it was found."""
+    evidence = conclude(Findings(local=check_held(problem, q)))
+    _, *rest = evidence.sentences.split("\n")
+    first = (
+        f"With clearance: {apart.tried} paths were moved apart or tried to be, {len(apart.found)} "
+        f"came apart, {apart.hits} of them as this one, the best; others may be better. The local "
+        "check holds the bodies by planes between them."
+    )
+    return replace(evidence, sentences="\n".join([first, *rest]))
+
+
+def held_problem(task: Task, survey: Survey, path: Repaired) -> Problem:
+    """Return the task's problem with the rows that hold a path, as rows that Pinocchio knows."""
+    return replace(task, rows=(*task.rows, *_rows(survey, path))).problem()
+
+
+def _rows(survey: Survey, path: Repaired) -> list[Row]:
+    cell, contacts = survey.problem.cell, path.contacts
+    found = []
+    for c in np.flatnonzero(path.apart - contacts.distance > -_NEAR):
+        pair, point = int(contacts.pair[c]), int(contacts.point[c])
+        first, second = (_frame(cell, joint) for joint in survey.pairs.joint[pair])
+        normal = contacts.normal[c]
+        row = half_space(
+            second,
+            normal,
+            float(normal @ contacts.first[c] + path.apart[c]),
+            of=first,
+            point=contacts.second[c],
+            points=[point],
+            name=f"{' and '.join(survey.pairs.names[pair])} at point {point + 1}",
+        )
+        if row.at(cell, path.q[point])[0] < _HELD:
+            found.append(row)
+    return found
+
+
+def _frame(cell: Cell, joint: int) -> str:
+    return WORLD if joint == 0 else str(cell.model.names[int(joint)])

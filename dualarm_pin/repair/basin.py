@@ -1,0 +1,167 @@
+"""One path, moved until its bodies are far enough apart.
+
+Rounds of witness rows: measure, hold the nearest points apart along the line between them, solve
+again from there. Out of a deep collision, where the nearest points jump, capsules lead first; how
+much their radii are reduced decides on which side the bodies pass each other.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from dualarm_pin.arrays import Array
+from dualarm_pin.engine.solve import Options, solve
+from dualarm_pin.problem import Problem
+from dualarm_pin.repair.survey import Contacts, Survey
+from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
+from dualarm_pin.solution import Solution
+
+INNER = 3  # postures looked at between two points
+_ROUNDS, _MORE_ROUNDS = 16, 6  # of witness rows; of postures between the points
+_PATIENCE, _PROGRESS = 5, 0.8  # rounds in which the worst lack must shrink to this share
+_SLIP, _HALVINGS = 0.02, 4  # m: rows are made anew before bodies are deeper in each other
+_SMALL = 5e-3  # m: a lack that a few rounds may still take away
+_SETTLED = 2e-3  # of the objective: less change is no reason for another round
+_MU = 1e-3  # a start is nearly the answer
+_LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
+_LED_MU = 1e-2  # capsules move it far
+_DIP = 1.1  # times what lacks between two points is asked of both
+
+
+@dataclass(frozen=True, eq=False)
+class Repaired:
+    """A path whose bodies are far enough apart at the postures looked at.
+
+    Attributes:
+        q: Joints (k, n).
+        objective: Objective there.
+        problem: The problem with the rows that hold it there.
+        contacts: What these rows were made of.
+        apart: (c,) how far apart they were asked to be [m].
+    """
+
+    q: Array
+    objective: float
+    problem: Problem
+    contacts: Contacts
+    apart: Array
+
+
+class Basin:
+    """Moves paths of a survey's problem.
+
+    Attributes:
+        survey: What measures.
+        between: Whether the postures between the points count too.
+    """
+
+    def __init__(self, survey: Survey, *, between: bool) -> None:
+        self.survey, self.between = survey, between
+
+    def keeps(self, q: Array) -> bool:
+        """Tell whether the bodies of a path (k, n) are far enough apart as it is."""
+        if not self.survey.contacts(q, 0.0).kept.all():
+            return False
+        return not self.between or bool(self.survey.contacts(inner_postures(q), 0.0).kept.all())
+
+    def repaired(self, q: Array, reduction: float | None = None) -> Repaired | None:
+        """Return where a path (k, n) leads, or None where its bodies do not come apart.
+
+        Args:
+            q: A path, nearly a minimum of the problem without rows of pairs.
+            reduction: Of the capsules that lead [m]; None for witness rows alone.
+        """
+        if reduction is not None:
+            q = self._led(q, reduction)
+        extra = np.zeros((len(self.survey.pairs.number), len(q)))
+        found = self._apart(q, extra)
+        for _ in range(_MORE_ROUNDS if self.between else 0):
+            if found is None or not self._add_dips(found.q, extra):
+                return found
+            found = self._apart(found.q, extra)
+        return None if self.between else found
+
+    def _apart(self, q: Array, extra: Array) -> Repaired | None:
+        """Return the end of rounds of witness rows, `extra` (p, k) asked beyond what is [m]."""
+        survey = self.survey
+        best: Repaired | None = None
+        lacks: list[float] = []
+        contacts = survey.contacts(q, REACH, extra)
+        for _ in range(_ROUNDS):
+            lacks.append(contacts.worst)
+            if best is None and _hopeless(lacks):
+                break
+            apart = asked_apart(contacts)
+            problem = survey.problem.with_pairs(witness_table(survey, contacts, apart, len(q)))
+            end = self._solved(problem, q, _MU)
+            held = contacts
+            q, contacts, whole = self._stepped(q, end.q, contacts, extra)
+            if whole and end.feasible and contacts.kept.all():
+                settled = best is not None and end.objective > (1.0 - _SETTLED) * best.objective
+                if best is None or end.objective < best.objective:
+                    best = Repaired(q, end.objective, problem, held, apart)
+                if settled:
+                    break
+        return best
+
+    def _stepped(
+        self, q: Array, end: Array, contacts: Contacts, extra: Array
+    ) -> tuple[Array, Contacts, bool]:
+        """Go from q to the end of a solve, or less far where rows made for q let bodies collide.
+
+        Returns:
+            Where, the contacts there, and whether it is the end.
+        """
+        most = max(contacts.worst, _SLIP)
+        found = self.survey.contacts(end, REACH, extra)
+        for halving in range(_HALVINGS):
+            if found.worst <= most:
+                return end, found, halving == 0
+            end = (q + end) / 2.0
+            found = self.survey.contacts(end, REACH, extra)
+        return end, found, False
+
+    def _led(self, q: Array, reduction: float) -> Array:
+        """Return where capsules with reduced radii lead a path; rows are added as they are met."""
+        survey = self.survey
+        reduced = np.minimum(survey.pairs.radius.sum(axis=1), reduction)
+        active = np.zeros((len(q), len(reduced)), dtype=bool)
+        for _ in range(_LAZY):
+            gap = survey.capsule_gaps(q) + reduced
+            met = (gap < (0.0 if active.any() else _LAZY_REACH)) & survey.pairs.tight & ~active
+            if not met.any():
+                break
+            active |= met
+            problem = survey.problem.with_pairs(survey.capsule_table(active, reduced))
+            q = self._solved(problem, q, _LED_MU).q
+        return q
+
+    def _solved(self, problem: Problem, q: Array, mu0: float) -> Solution:
+        return solve(problem, q, Options(mu0=mu0, push=mu0))
+
+    def _add_dips(self, q: Array, extra: Array) -> bool:
+        """Add what lacks between the points to both ends (p, k); tell whether anything does."""
+        contacts = self.survey.contacts(inner_postures(q), 0.0)
+        lacking = contacts.take(~contacts.kept)
+        dips = np.zeros((len(extra), len(q) - 1))
+        np.maximum.at(dips, (lacking.pair, lacking.point // INNER), _DIP * lacking.lack)
+        extra[:, :-1] += dips
+        extra[:, 1:] += dips
+        return len(lacking.point) > 0
+
+
+def inner_postures(q: Array) -> Array:
+    """Return the postures between the points of a path (k, n): `INNER` on each straight way."""
+    share = np.arange(1, INNER + 1) / (INNER + 1)
+    between = q[:-1, None] + share[:, None] * np.diff(q, axis=0)[:, None]
+    return between.reshape(-1, q.shape[1])
+
+
+def _hopeless(lacks: list[float]) -> bool:
+    """Tell whether the rounds have stopped to bring the bodies apart."""
+    if len(lacks) <= _PATIENCE:
+        return False
+    first = max(min(lacks[:-_PATIENCE]), _SMALL)
+    return min(lacks[-_PATIENCE:]) > _PROGRESS * first

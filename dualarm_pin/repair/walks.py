@@ -1,0 +1,97 @@
+"""Paths that are apart from the first point on: walked with rows from postures that are.
+
+One point alone has few minima, and of these half or more do not collide. A walk from such a one
+that keeps its bodies apart at each step ends near a path that does not collide.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from dualarm_pin.arrays import Array
+from dualarm_pin.engine.solve import Options, solve
+from dualarm_pin.problem import Neighbours, Problem
+from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.bodies import Pairs
+from dualarm_pin.repair.survey import Survey
+from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
+from dualarm_pin.search.anchored import anchor_points
+from dualarm_pin.search.starts import generator
+from dualarm_pin.search.turns import Turns
+from dualarm_pin.solution import distinct
+from dualarm_pin.solvers import interior_point as engine
+
+_ALONE = Options(tolerance=1e-4, iterations=60)  # a start that needs more hardly ever converges
+_TRIED = 2  # times as many minima of a point are looked at as are walked from
+_AHEAD = 0.7  # share of the last step that the next is expected to repeat
+_STEP = Options(tolerance=1e-4, iterations=25, mu0=1e-3, push=1e-3)  # a guess, refined later
+
+
+def walked(survey: Survey, *, seed: int, postures: int, walks: int, jobs: int | None) -> Array:
+    """Return paths (s, k, n) from the minima of single points, best first; nearly apart.
+
+    Args:
+        survey: What measures, on the whole path.
+        seed: Of the postures.
+        postures: Postures drawn at each anchor.
+        walks: Minima of each anchor that are walked from.
+        jobs: Threads.
+    """
+    problem = survey.problem
+    paths = [
+        _walk(survey, at, q)
+        for at in anchor_points(problem.k)
+        for q in _apart_alone(problem, survey.pairs, at, postures, walks, seed, jobs)
+    ]
+    if not paths:
+        return np.zeros((0, problem.k, problem.n))
+    found = Turns(problem).folded(np.array(paths))
+    return found[np.argsort([_value(problem, path) for path in found], kind="stable")]
+
+
+def _value(problem: Problem, q: Array) -> float:
+    return solve(problem, q, Options(iterations=0, push=1e-9)).objective
+
+
+def _apart_alone(
+    problem: Problem,
+    pairs: Pairs,
+    at: int,
+    postures: int,
+    most: int,
+    seed: int,
+    jobs: int | None,
+) -> list[Array]:
+    """Return the best minima (n,) of one point alone whose bodies are apart."""
+    one = problem.window(at, 1)
+    turns, random = Turns(one), generator(seed, 60, at)
+    starts = random.uniform(turns.lower, turns.upper, (postures, 1, one.n))
+    ends = engine.solve_many(one, starts, jobs=jobs, options=_ALONE)
+    ends = replace(ends, q=turns.folded(ends.q), converged=ends.status == 0)
+    basin = Basin(Survey(one, pairs), between=False)
+    found: list[tuple[float, Array]] = []
+    for end in distinct(ends).ends.q[: _TRIED * most]:
+        apart = basin.repaired(end)
+        if apart is not None:
+            found.append((apart.objective, apart.q[0]))
+    return [q for _, q in sorted(found, key=lambda each: each[0])[:most]]
+
+
+def _walk(survey: Survey, at: int, posture: Array) -> Array:
+    """Walk from a posture (n,) at one point to both ends of the path, the bodies held apart."""
+    problem = survey.problem
+    path = np.tile(posture, (problem.k, 1))
+    for step in (1, -1):
+        for i in range(at + step, problem.k if step > 0 else -1, step):
+            before = path[i - step]
+            last = before - path[i - 2 * step] if abs(i - at) >= 2 else 0.0
+            start = np.clip(before + _AHEAD * last, problem.lower, problem.upper)[None]
+            window = problem.window(i, 1, linked=True)
+            weight = window.neighbours.weight * (step > 0, step < 0)
+            both = Neighbours(np.array([before, before]), weight)
+            contacts = survey.contacts(start, REACH)
+            rows = witness_table(survey, contacts, asked_apart(contacts), 1)
+            path[i] = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP).q[0]
+    return path

@@ -1,0 +1,123 @@
+"""Paths whose bodies are kept apart: what is measured, the rows made of it, and where they lead."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+from dualarm_pin.cell import Cell
+from dualarm_pin.clearance import ClearanceRule
+from dualarm_pin.clearance.asked import asked_of
+from dualarm_pin.clearance.extent import corners_of
+from dualarm_pin.engine.solve import gaps
+from dualarm_pin.evidence.check import check_held, polished
+from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.planners.apart import held_problem
+from dualarm_pin.planners.whole_path import plan_global
+from dualarm_pin.repair.basin import Basin, inner_postures
+from dualarm_pin.repair.bodies import asked_pairs
+from dualarm_pin.repair.covers import cover
+from dualarm_pin.repair.survey import Survey
+from dualarm_pin.repair.witness import asked_apart, witness_table
+from dualarm_pin.task import Task
+
+Array = NDArray[np.float64]
+
+
+@pytest.fixture(scope="module")
+def task() -> Task:
+    """The paper's task, the two hands farther apart than on its best path."""
+    given = Task.load(urdf_folder() / "tasks" / "paper_corner.yaml")
+    arms = [pair for pair in given.cell.pairs if pair[0][:4] != pair[1][:4]]
+    rule = ClearanceRule(None, dict.fromkeys(dict.fromkeys(arms), 0.22))
+    return replace(given, clearance=rule)
+
+
+@pytest.fixture(scope="module")
+def best(task: Task) -> Array:
+    return plan_global(replace(task, clearance=None), effort="quick", seed=0).q
+
+
+@pytest.fixture(scope="module")
+def survey(task: Task) -> Survey:
+    return Survey(task.problem(), asked_pairs(task.cell, asked_of(task).required))
+
+
+def test_a_capsule_holds_its_body() -> None:
+    cell = Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml")
+    for thing in cell.collision.geometryObjects:
+        capsule = cover(thing)
+        points = corners_of(thing.geometry) @ thing.placement.rotation.T
+        points += thing.placement.translation
+        start, along = capsule.ends[0], capsule.ends[1] - capsule.ends[0]
+        s = np.clip((points - start) @ along / max(along @ along, 1e-12), 0.0, 1.0)
+        away = np.linalg.norm(points - start - s[:, None] * along, axis=1)
+        assert away.max() <= capsule.radius + 1e-9
+
+
+def test_what_is_measured_is_what_the_cell_says(task: Task, survey: Survey) -> None:
+    random = np.random.default_rng(2)
+    q = random.uniform(task.cell.lower, task.cell.upper, (40, task.cell.n))
+    exact = np.array([task.cell.distances(x)[survey.pairs.number] for x in q])
+    contacts = survey.contacts(q, 0.1)
+    near = exact < survey.pairs.required + 0.1
+    assert near.sum() == len(contacts.point)
+    hulls = exact[contacts.point, contacts.pair]
+    assert np.all(contacts.distance >= hulls - 1e-6)  # a mesh is never nearer than its hull
+    far = hulls >= survey.pairs.required[contacts.pair]
+    np.testing.assert_allclose(contacts.distance[far], hulls[far], atol=1e-6)
+    apart = exact > 0.0
+    assert np.all((survey.capsule_gaps(q) + survey.pairs.required <= exact + 1e-9)[apart])
+
+
+def test_a_row_of_a_contact_is_its_distance_less_what_is_asked(survey: Survey, best: Array) -> None:
+    contacts = survey.contacts(best, 0.1)
+    apart = asked_apart(contacts)
+    problem = survey.problem.with_pairs(witness_table(survey, contacts, apart, len(best)))
+    at = problem.inequalities
+    rows = gaps(problem, best)[np.arange(at.kind.shape[1]) < at.size[:, None]]
+    np.testing.assert_allclose(rows, contacts.distance - apart, atol=1e-9)
+
+
+@pytest.fixture(scope="module")
+def basin(survey: Survey) -> Basin:
+    return Basin(survey, between=True)
+
+
+def test_a_path_is_moved_until_its_bodies_are_apart(
+    task: Task, survey: Survey, basin: Basin, best: Array
+) -> None:
+    assert not basin.keeps(best)
+    path = basin.repaired(best)
+    assert path is not None
+    postures = [*path.q, *inner_postures(path.q)]
+    distance = np.array([task.cell.distances(x)[survey.pairs.number] for x in postures])
+    assert np.all(distance >= survey.pairs.required - 5e-4)
+    free = survey.problem.objective(best)
+    assert free < path.objective < 1.2 * free
+    assert path.objective == pytest.approx(survey.problem.objective(path.q), rel=1e-9)
+
+
+def test_the_rows_that_hold_a_path_are_known_to_pinocchio(
+    task: Task, survey: Survey, basin: Basin, best: Array
+) -> None:
+    path = basin.repaired(best)
+    assert path is not None
+    problem = held_problem(task, survey, path)
+    assert 0 < len(problem.rows) <= 2 * len(best)
+    assert not check_held(task.problem(), path.q).stationary
+    assert check_held(problem, polished(path.problem, path.q)).minimum
+
+
+def test_the_answer_is_found_only_where_the_check_confirms_every_pair(task: Task) -> None:
+    answer = plan_global(task, effort="quick", seed=0)
+    assert answer.found
+    assert answer.checked.apart is not None
+    assert answer.checked.apart.kept
+    assert answer.evidence.sentences.startswith("With clearance:")
+    assert answer.evidence.local is not None
+    assert answer.evidence.local.minimum
+    assert answer.evidence.verdict == "local_only"
