@@ -26,7 +26,8 @@ app = cyclopts.App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
-for _name in ("paper", "check", "solve", "motion", "view", "export", "bench", "explain"):
+_COMMANDS = "paper check solve place sensitivity motion view export bench explain"
+for _name in _COMMANDS.split():
     app.command(f"dualarm_pin.cli.{_name}:{_name}", name=_name)
 
 

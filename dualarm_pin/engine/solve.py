@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import checked, finite
 from dualarm_pin.chain import VARIABLE, Floats, Integers
 from dualarm_pin.engine import entries
+from dualarm_pin.engine.arrow_problem import arrow_problem
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
 from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
 from dualarm_pin.engine.kernels.address import index_address
 from dualarm_pin.engine.workspace import Workspace, new_workspace
 from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.placement.shared import SharedProblem
 from dualarm_pin.problem import CALLED, Problem
 from dualarm_pin.rows import table
 from dualarm_pin.solution import STATUS, Multipliers, Solution, Solutions
@@ -128,7 +130,7 @@ def solve(
     scaled = problem.scaled()
     work = _workspace(scaled)
     if warm is not None:
-        _load(warm, work, problem.size)
+        load_multipliers(warm, work, problem.size)
     rows.run(scaled, work, item, options.settings(), keep_multipliers=warm is not None)
     size, at = problem.size, work.at
     return replace(
@@ -197,7 +199,7 @@ def evaluate(
         ShapeError: An array has another shape.
         InputError: A value is not finite.
     """
-    work = _new_workspace(problem)
+    work = new_room(problem)
     at = work.at
     at.q[:] = checked("q", q, at.q.shape)
     at.y[:] = checked("y", y, at.y.shape)
@@ -268,8 +270,12 @@ class _Batch:
     ) -> None:
         """Solve some rows in this thread."""
         posture = np.empty_like(problem.neighbours.posture)  # of this thread alone
-        entries.solve_items(
-            replace(problem, neighbours=problem.neighbours._replace(posture=posture)),
+        own = replace(problem, neighbours=problem.neighbours._replace(posture=posture))
+        solve_items = entries.solve_items
+        if isinstance(own, SharedProblem) and own.k > 1:
+            own, solve_items = arrow_problem(own, widths(own)), entries.solve_arrow_items
+        solve_items(
+            own,
             work,
             settings,
             keep_multipliers,
@@ -331,22 +337,22 @@ _ROOMS = threading.local()
 
 def _workspace(problem: Problem) -> Workspace:
     """Return room for this thread and this shape of problem, kept from one batch to the next."""
-    shape = (problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
+    shape = (problem.k, len(problem.chain.kind), problem.n, *widths(problem))
     if getattr(_ROOMS, "shape", None) != shape:
-        _ROOMS.shape, _ROOMS.work = shape, _new_workspace(problem)
+        _ROOMS.shape, _ROOMS.work = shape, new_room(problem)
     else:
         _set_calls(problem, _ROOMS.work)
     work: Workspace = _ROOMS.work
     return work
 
 
-def _new_workspace(problem: Problem) -> Workspace:
-    work = new_workspace(problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
+def new_room(problem: Problem) -> Workspace:
+    work = new_workspace(problem.k, len(problem.chain.kind), problem.n, *widths(problem))
     _set_calls(problem, work)
     return work
 
 
-def _widths(problem: Problem) -> tuple[int, int, int]:
+def widths(problem: Problem) -> tuple[int, int, int]:
     return problem.m, problem.inequalities.kind.shape[1], len(problem.rows)
 
 
@@ -373,7 +379,7 @@ def _set_calls(problem: Problem, work: Workspace) -> None:
         )
 
 
-def _load(warm: Multipliers, work: Workspace, size: float) -> None:
+def load_multipliers(warm: Multipliers, work: Workspace, size: float) -> None:
     """Put multipliers into the room as those of the scaled problem."""
     at = work.at
     for name, room, value in (

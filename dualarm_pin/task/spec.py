@@ -13,6 +13,7 @@ from dualarm_pin.files.signature import Count
 from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec
 from dualarm_pin.path.spec import PathSpec
+from dualarm_pin.placement.spec import FreeSpec
 from dualarm_pin.rows.spec import RowSpec
 from dualarm_pin.task.motion_spec import MotionSpec
 
@@ -59,6 +60,7 @@ class TaskSpec(Spec):
         motion: How its answer runs in time, if that is asked.
         method: How to plan it where the caller does not say: a name, or `call`, such as `global`.
         solver: The solver of that method: a name, or `call`, such as `engine`.
+        placement: What `dualarm-pin place` may change, if anything.
         module_dirs: Further folders in which the modules of `call` are found, such as `[./code]`.
     """
 
@@ -72,6 +74,7 @@ class TaskSpec(Spec):
     motion: MotionSpec | None = None
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
+    placement: FreeSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)
 
     @property
