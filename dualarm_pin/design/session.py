@@ -115,7 +115,7 @@ class Session:
             UnknownNameError: The cell has no such parameter.
             InputError: A value is not finite, or the base is tilted.
         """
-        values = dict(zip(self._names, self._values, strict=True))
+        values = dict(zip(self._names, self._values.tolist(), strict=True))
         stands = self.task.cell.arms[1].base
         if base2 is not None:
             self._known(f"{BASE}.x")

@@ -23,7 +23,14 @@ from dualarm_pin.placement.parameters import BASE, TOOL, WORKPIECE
 
 
 class PoseSpec(Spec):
-    """From and to of a pose: lengths [m], `yaw_deg` about the vertical."""
+    """From and to of a pose.
+
+    Attributes:
+        x: Along x [m], such as `[1.4, 3.0]`.
+        y: Along y [m], such as `[-0.8, 0.8]`.
+        z: Along z [m], such as `[-0.5, 0.5]`.
+        yaw_deg: About the vertical [deg], such as `[90, 270]`.
+    """
 
     x: Bounds | None = None
     y: Bounds | None = None
@@ -32,20 +39,38 @@ class PoseSpec(Spec):
 
 
 class ToolSpec(Spec):
-    """From and to of what the tool is longer by [m]."""
+    """From and to of a tool.
+
+    Attributes:
+        length: What it is longer by, along its axis [m], such as `[0, 0.1]`.
+    """
 
     length: Bounds | None = None
 
 
 class AreaSpec(Spec):
-    """A rectangle of the floor [m]."""
+    """A rectangle of the floor.
+
+    Attributes:
+        x: From and to in the world [m], such as `[1.8, 2.2]`.
+        y: From and to in the world [m], such as `[-0.3, 0.3]`.
+    """
 
     x: Bounds
     y: Bounds
 
 
 class FreeSpec(Spec):
-    """The whole section."""
+    """The whole section.
+
+    Attributes:
+        base2: Where the base of arm 2 may stand, in the world, such as `{x: [1.4, 3.0]}`.
+        workpiece: Where the path may lie in e1, from where it is, such as `{x: [-0.1, 0.1]}`.
+        tool2: How much longer the tool of arm 2 may be, such as `{length: [0, 0.1]}`.
+        keep_out: Areas of the floor in which the origin of base 2 must not stand.
+        weights: Weights of (change)^2 in the objective, for what should stay, such as
+            `{base2.y: 0.1}`.
+    """
 
     base2: PoseSpec = PoseSpec()
     workpiece: PoseSpec = PoseSpec()

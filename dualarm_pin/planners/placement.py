@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
+_TRIED = 8  # places at most at which the motion is planned again
 _FLAT = 1e-5  # of max(1, objective): what a whole box of a flat direction may change it by
 _AT_BOUND = 1e-4  # of its box: a parameter this near to an end stands there
 _WIDER = (1.0, 3.0, 9.0)  # of its box on each side: where a place that can be reached is sought
@@ -110,13 +111,9 @@ def plan_placement(
         return Placement(task, _nothing(task, search, may, seed, clock, jobs), (), ())
     n = problem.n
     places = tuple(_place(may, minima, number, n) for number in range(len(minima)))
-    best = places[0]
-    moved = moved_task(task, best.change)
+    progress.stage("motion at the places found", len(places))
+    best, moved, there = _best_motion(task, places, effort, seed, jobs, progress)
     flat = _flat_directions(moved.problem(), best, may)
-    progress.stage("motion at the place found")
-    there = plan_global(moved, effort=effort, seed=seed, jobs=jobs, progress=progress)
-    if not there.found or there.objective > best.objective + _level(best.objective):
-        there = _checked(moved, best.q, seed, jobs)
     notes = PlacementNotes(
         change=best.change,
         flat=flat,
@@ -127,6 +124,33 @@ def plan_placement(
     )
     answer = replace(there, method="placement", timing=clock.read(), notes=notes)
     return Placement(moved, answer, places, flat)
+
+
+def _best_motion(
+    task: Task,
+    places: tuple[Place, ...],
+    effort: str,
+    seed: int,
+    jobs: int | None,
+    progress: Progress,
+) -> tuple[Place, Task, Trajectory]:
+    """Plan at the places, best first, until none that is left could do better.
+
+    What the search of places leaves out, such as clearance, can only raise their objectives.
+    """
+    best: tuple[Place, Task, Trajectory] | None = None
+    for place in places[:_TRIED]:
+        if best and best[2].found and best[2].objective <= place.objective:
+            break
+        moved = moved_task(task, place.change)
+        there = plan_global(moved, effort=effort, seed=seed, jobs=jobs, progress=progress)
+        if not there.found or there.objective > place.objective + _level(place.objective):
+            alone = _checked(moved, place.q, seed, jobs)
+            there = alone if alone.found or not there.found else there
+        if best is None or (there.found, -there.objective) > (best[2].found, -best[2].objective):
+            best = place, moved, there
+    assert best is not None  # there is a place
+    return best
 
 
 def _place(may: Asked, minima: Minima, number: int, n: int) -> Place:
@@ -204,14 +228,13 @@ def _nothing(
     from dualarm_pin.search.places import PlaceBudget, PlaceSearch
 
     width = may.upper - may.lower
+    short = replace(PlaceBudget.of(len(may.free)), least_rounds=1, rounds=1)
     for share in _WIDER:
         free = tuple(
             replace(each, lower=each.lower - share * w, upper=each.upper + share * w)
             for each, w in zip(may.free, width, strict=True)
         )
-        wider = PlaceSearch(
-            search.problem, replace(may, free=free), seed, PlaceBudget(rounds=2), jobs
-        )
+        wider = PlaceSearch(search.problem, replace(may, free=free), seed, short, jobs)
         minima = wider.run()
         if len(minima):
             break
