@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from dualarm_pin import clearance as clearance
-    from dualarm_pin import design as design
     from dualarm_pin import indices as indices
     from dualarm_pin import rows as rows
     from dualarm_pin import solvers as solvers
@@ -50,7 +49,6 @@ __version__ = "0.1.0"
 
 _MODULES = {
     "clearance": "clearance",
-    "design": "design",
     "indices": "indices",
     "paths": "path.paths",
     "plots": "show.plots",

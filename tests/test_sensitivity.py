@@ -6,6 +6,7 @@ import json
 
 import pytest
 from paper_case import TASK
+from test_report import cells, head_of
 
 from dualarm_pin.answer.folder import save_result
 from dualarm_pin.cli import main
@@ -68,3 +69,14 @@ def test_the_command_prints_three_tables_and_keeps_them(motion, tmp_path, capsys
     assert "arm1/joint_5 upper: 22.13 per rad" in said
     kept = json.loads((tmp_path / "sensitivity.json").read_text())
     assert kept["limits"][0]["joint"] == "arm1/joint_5"
+    page = tmp_path / "page.html"
+    with pytest.raises(SystemExit) as end:
+        main(["view", str(tmp_path), "--html", str(page)])
+    assert end.value.code == 0
+    shown = cells(head_of(page.read_bytes()), "Sensitivity", "joint limits")
+    assert shown[0].startswith("arm1/joint_5 upper: 22.13 per rad")
+    (tmp_path / "sensitivity.json").write_text('{"objective": "<script>"}')
+    with pytest.raises(SystemExit) as end:
+        main(["view", str(tmp_path), "--html", str(page)])
+    assert end.value.code == 2
+    assert "not written by this program" in capsys.readouterr().err

@@ -14,15 +14,25 @@ from dualarm_pin.files.write import write_bytes
 from dualarm_pin.show.page import render_page
 from dualarm_pin.show.report_tables import tables_of, units_of
 from dualarm_pin.show.scene import Scene
+from dualarm_pin.show.sensitivity import rows_of
 
 if TYPE_CHECKING:
+    from dualarm_pin.evidence.sensitivity import Costs
     from dualarm_pin.task import Task
 
 
 def report_page(
-    results: Mapping[str, tuple[Task, Trajectory]], *, title: str = "dualarm_pin report"
+    results: Mapping[str, tuple[Task, Trajectory]],
+    *,
+    title: str = "dualarm_pin report",
+    costs: Mapping[str, Costs] | None = None,
 ) -> bytes:
     """Return the report as one page that needs no network.
+
+    Args:
+        results: Task and answer by label, at least one; several are compared on the same axes.
+        title: Title of the page, any text.
+        costs: What errors and limits cost, by label, where that was computed.
 
     Raises:
         InputError: There is no result.
@@ -46,9 +56,10 @@ def report_page(
             "found": trajectory.found,
         }
     scene.head["title"] = title
-    scene.head["results"] = [
-        {"title": name, "rows": rows} for name, rows in tables_of(list(results.values())).items()
-    ]
+    tables = tables_of(list(results.values()))
+    if costs:
+        tables["Sensitivity"] = rows_of([costs.get(label) for label in results])
+    scene.head["results"] = [{"title": name, "rows": rows} for name, rows in tables.items()]
     return render_page(
         title, scene.pack(), body="report.html", scripts=("report.js",), styles=("report.css",)
     )
@@ -59,6 +70,7 @@ def write_report(
     results: Mapping[str, tuple[Task, Trajectory]],
     *,
     title: str = "dualarm_pin report",
+    costs: Mapping[str, Costs] | None = None,
 ) -> None:
     """Write the report of one or several results as one HTML file.
 
@@ -66,9 +78,10 @@ def write_report(
         file: Where it goes.
         results: Task and answer by label, at least one; several are compared on the same axes.
         title: Title of the page, any text.
+        costs: What errors and limits cost, by label, where that was computed.
 
     Raises:
         InputError: There is no result, or the file cannot be written.
         ShapeError: A trajectory does not fit its task.
     """
-    write_bytes(pathlib.Path(file), report_page(results, title=title))
+    write_bytes(pathlib.Path(file), report_page(results, title=title, costs=costs))

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from dataclasses import asdict
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from pydantic import TypeAdapter, ValidationError
+
+from dualarm_pin.errors import InputError
+from dualarm_pin.evidence.sensitivity import Costs
 from dualarm_pin.files.write import write_text
 
-if TYPE_CHECKING:
-    from dualarm_pin.evidence.sensitivity import Costs
-
 FILE = "sensitivity.json"
-_HUNDREDTH = {"yaw": "mrad"}  # unit of an error of one thousandth; mm for every other parameter
+_THOUSANDTH = {"yaw": "mrad"}  # unit of an error of one thousandth; mm for every other parameter
 
 
 def save_costs(folder: str | Path, costs: Costs) -> None:
@@ -23,6 +24,37 @@ def save_costs(folder: str | Path, costs: Costs) -> None:
         InputError: The folder cannot be written.
     """
     write_text(Path(folder) / FILE, json.dumps(asdict(costs), indent=1) + "\n")
+
+
+def load_costs(folder: str | Path) -> Costs | None:
+    """Read `sensitivity.json` of a result folder, or return None where there is none.
+
+    Raises:
+        InputError: It is not what `save_costs` wrote.
+    """
+    file = Path(folder) / FILE
+    if not file.is_file():
+        return None
+    try:
+        return TypeAdapter(Costs).validate_json(file.read_bytes())
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+        field = ".".join(map(str, first["loc"])) or None
+        message = f"not written by this program: {first['msg']}; delete it"
+        raise InputError(message, file=file, field=field) from error
+
+
+def rows_of(costs: Sequence[Costs | None]) -> list[tuple[str, list[str]]]:
+    """Return rows of text for a report: one column for each result, empty where there are none."""
+    makers = {
+        "errors of the cell": parameter_lines,
+        "joint limits": limit_lines,
+        "largest index": point_lines,
+    }
+    return [
+        (name, ["" if each is None else "\n".join(lines(each)) for each in costs])
+        for name, lines in makers.items()
+    ]
 
 
 def text_of(costs: Costs) -> str:
@@ -40,7 +72,7 @@ def parameter_lines(costs: Costs) -> list[str]:
     """Return a line for every parameter."""
     lines = []
     for cost in costs.parameters:
-        unit = _HUNDREDTH.get(cost.name.rpartition(".")[2], "mm")
+        unit = _THOUSANDTH.get(cost.name.rpartition(".")[2], "mm")
         line = (
             f"{cost.name:<14} 1 {unit}: joints kept {1e3 * cost.position_error:.3f} mm and "
             f"{1e3 * cost.rotation_error:.3f} mrad off; planned again the objective changes by "
