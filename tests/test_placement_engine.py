@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from engine_cases import BareCell, random_pair
 
-from dualarm_pin.cell.parts import Arm
 from dualarm_pin.engine.sensitivity import sensitivity
 from dualarm_pin.engine.solve import Options, evaluate, solve, solve_many
 from dualarm_pin.errors import InputError, UnknownNameError
@@ -18,6 +18,7 @@ from dualarm_pin.indices import force, yoshikawa
 from dualarm_pin.placement.parameters import ELEMENTS, Free, checked, moved_base, workpiece_pose
 from dualarm_pin.placement.shared import placed, share
 from dualarm_pin.problem import Problem
+from dualarm_pin.rows import above, half_space
 from dualarm_pin.solution import distinct
 from dualarm_pin.task import Task
 
@@ -73,7 +74,8 @@ def test_base_distance_and_height_free_the_paper_comes_to_a_better_base(paper):
 def _bare(seed: int, joints: tuple[int, int]) -> BareCell:
     cell = BareCell(*random_pair(seed, joints, prismatic=0.4))
     here = pin.SE3.Identity()
-    cell.arms = [Arm(name, None, "", "", here, here, ()) for name in ("arm1", "arm2")]
+    cell.arms = [SimpleNamespace(base=here)] * 2
+    cell.moved = lambda **_: cell
     cell.tool_axes = (np.array([0.0, 0.0, 1.0]), np.array([0.6, 0.0, 0.8]))
     return cell
 
@@ -169,6 +171,30 @@ def test_parameters_move_what_pinocchio_moves(paper):
     size = np.linalg.norm(there.residual[:, 3:], axis=1)
     assert size == pytest.approx(np.linalg.norm(here.residual[:, 3:], axis=1))
     assert np.abs(there.residual[:, :3]).max() > 0.05
+
+
+def test_rows_keep_to_their_bodies_when_these_move(problem):
+    world = {"frame": "arm2/tip", "z": 0.2}
+    rows = (above(**world), half_space("arm1/tip", normal=(1.0, 0.0, 0.0), offset=0.3))
+    cell, q = problem.cell, 0.5 * (problem.lower + problem.upper)
+    asked = Problem.of(
+        cell, problem.index, np.zeros((1, 3)), np.eye(3),
+        lower=problem.lower, upper=problem.upper, rows=rows,
+    )  # fmt: skip
+    free = checked(EVERY, cell)
+    values = np.where([each.name.startswith("base2") for each in free], 0.17, 0.0)
+    change = dict(zip([each.name for each in free], values, strict=True))
+    moved = cell.moved(base2=moved_base(cell.arms[1].base, change))
+    gap = evaluate(placed(asked, free, values), q[None]).gap[0]
+    assert gap == pytest.approx([float(np.ravel(row.at(moved, q)[0])[0]) for row in rows])
+    step, shared = 1e-6, share(asked, free)
+    there = evaluate(shared, shared.posture(q[None], values))
+    for k in range(shared.shared):
+        by = step * np.eye(shared.shared)[k]
+        ahead = evaluate(placed(asked, free, values + by), q[None]).gap[0]
+        behind = evaluate(placed(asked, free, values - by), q[None]).gap[0]
+        slope = (ahead - behind) / (2.0 * step)
+        assert there.row_jacobian[0, :, 12 + k] == pytest.approx(slope, abs=1e-7)
 
 
 def test_a_parameter_that_the_cell_does_not_have_or_a_crossed_box_is_refused(paper):

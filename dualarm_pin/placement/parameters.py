@@ -79,12 +79,10 @@ def checked(
 
 def check_base(cell: Cell, field: str) -> None:
     """Raise InputError where arm 2 has no base of its own."""
-    if any(len(robot.chains.tips) > 1 for robot in getattr(cell, "_robots", ())):
-        raise InputError(
-            f"one URDF holds both arms of {cell.name}: neither has a base to move; leave it out, "
-            "or give each arm a URDF of its own",
-            field=field,
-        )
+    try:
+        cell.moved(base2=cell.arms[1].base)
+    except InputError as error:
+        raise InputError(error.message, field=field) from error
 
 
 def moved_base(base: pin.SE3, change: Mapping[str, float]) -> pin.SE3:
