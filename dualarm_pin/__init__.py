@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from dualarm_pin.path import paths as paths
     from dualarm_pin.planners.local import plan_local as plan_local
     from dualarm_pin.planners.methods import plan as plan
+    from dualarm_pin.planners.placement import plan_placement as plan_placement
     from dualarm_pin.planners.two_stage import plan_two_stage as plan_two_stage
     from dualarm_pin.planners.whole_path import plan_global as plan_global
     from dualarm_pin.planners.whole_path import polish as polish
@@ -75,6 +76,7 @@ _HOMES = {
     "plan": "planners.methods",
     "plan_global": "planners.whole_path",
     "plan_local": "planners.local",
+    "plan_placement": "planners.placement",
     "plan_two_stage": "planners.two_stage",
     "polish": "planners.whole_path",
     "save_result": "answer.folder",

@@ -264,7 +264,7 @@ def _arrays(elements: list[_Element], last: Any, columns: int) -> Chain:
     """Turn every element's frame so that its axis is z, and pack the arrays."""
     placements, before = [], pin.SE3.Identity()
     for element in elements:
-        turned = pin.SE3(_turn_z_to(element.axis), np.zeros(3))
+        turned = pin.SE3(turn_z_to(element.axis), np.zeros(3))
         placements.append(before.inverse() * element.placement * turned)
         before = turned
     placements.append(before.inverse() * last)
@@ -281,7 +281,7 @@ def _arrays(elements: list[_Element], last: Any, columns: int) -> Chain:
     )
 
 
-def _turn_z_to(axis: Floats) -> Floats:
+def turn_z_to(axis: Floats) -> Floats:
     """Return a rotation that takes z to a unit axis."""
     turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), axis)
     return np.asarray(turn.toRotationMatrix())

@@ -122,7 +122,7 @@ class Bounds(NamedTuple):
         lower: (n,) rad or m.
         upper: (n,).
         fixed: (f,) columns that must not move.
-        fixed_value: (f,) where they stand.
+        fixed_value: (f,) where they stand; nan: where the start has them.
     """
 
     lower: Array

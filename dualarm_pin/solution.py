@@ -181,7 +181,7 @@ def distinct(ends: Solutions, tolerance: Tolerance = TOLERANCE) -> Minima:
     order = order[np.argsort(ends.objective[order], kind="stable")]
     first: list[int] = []
     hits: list[int] = []
-    flat = ends.q.reshape(len(ends), -1)
+    flat = ends.q.reshape(len(ends), ends.q[0].size if len(ends) else 0)
     oldest = 0  # minima before this one are too good to be the same
     for end in order:
         value = ends.objective[end]

@@ -13,8 +13,9 @@ import dualarm_pin as dp
 
 NAMES = """
 Cell DualArmError Index Path Player Problem Relative Solution Solver Task Tolerance Trajectory
-__version__ clearance examine export indices load_result make_motion paths plan plan_global
-plan_local plan_two_stage plots polish rows save_result solvers urdf_folder verified verify
+ __version__ clearance examine export indices load_result make_motion paths plan plan_global
+ plan_local plan_placement plan_two_stage plots polish rows save_result solvers urdf_folder verified
+ verify
 write_report
 """.split()
 HEAVY = {"numba", "matplotlib", "meshcat", "scipy", "distributed", "casadi", "pink", "rich"}

@@ -15,7 +15,7 @@ CODE = re.findall(r"```python\n(.*?)```", TEXT, re.DOTALL)
 
 
 def test_the_ten_lines_run_and_find_the_best_known_path(tmp_path: Path) -> None:
-    assert len(CODE) == 1
+    assert len(CODE) == 2
     assert len([line for line in CODE[0].splitlines() if line.strip()]) <= 10
     done = subprocess.run(
         [sys.executable, "-c", CODE[0]], cwd=tmp_path, capture_output=True, text=True, check=False
@@ -26,6 +26,16 @@ def test_the_ten_lines_run_and_find_the_best_known_path(tmp_path: Path) -> None:
     assert float(mean) == pytest.approx(0.4063, abs=1e-4)
     assert float(objective) == pytest.approx(12.7309, abs=1e-4)
     assert verdict == "local_only"
+
+
+def test_the_session_runs_and_its_motion_follows_the_base(tmp_path: Path) -> None:
+    done = subprocess.run(
+        [sys.executable, "-c", CODE[1]], cwd=tmp_path, capture_output=True, text=True, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    moved, rest = map(float, done.stdout.split())
+    assert moved == pytest.approx(11.49, abs=0.01)
+    assert 0.0 < rest < moved
 
 
 @pytest.mark.parametrize("target", sorted(set(re.findall(r"\]\((docs/[^)]+)\)", TEXT))))

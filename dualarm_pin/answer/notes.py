@@ -74,12 +74,34 @@ class PinkNotes:
     infeasible_at: tuple[int, ...]
 
 
+@dataclass(frozen=True)
+class PlacementNotes:
+    """Of a search for a placement: what was changed, what does not matter, how far it went.
+
+    Attributes:
+        change: Change of each parameter from where the cell stood [m or rad].
+        flat: Directions along which the objective does not change, in words.
+        at_bound: Parameters that ended at an end of their box.
+        rounds: Rounds of the search, and those that ended in this placement.
+        rounds_here: The same.
+        starts: Random places drawn.
+    """
+
+    change: dict[str, float]
+    flat: tuple[str, ...]
+    at_bound: tuple[str, ...]
+    rounds: int
+    rounds_here: int
+    starts: int
+
+
 NOTES: Final[dict[str, type[DataclassInstance]]] = {
     "global": GlobalNotes,
     "feed": FeedNotes,
     "polish": PolishNotes,
     "two-stage": TwoStageNotes,
     "local": LocalNotes,
+    "placement": PlacementNotes,
     "casadi": CasadiNotes,
     "pink": PinkNotes,
 }

@@ -32,23 +32,24 @@ def view(
     from dualarm_pin.answer.folder import labels, load_result
     from dualarm_pin.motion.record import motions_of
     from dualarm_pin.show import report_page, serve, write_report
+    from dualarm_pin.show.sensitivity import load_costs
 
     if not results:
         raise InputError("name at least one result folder", field="RESULT_DIR")
-    loaded = {
-        label: load_result(folder, allow_code=allow_code)
-        for label, folder in zip(labels(results), results, strict=True)
-    }
+    named = dict(zip(labels(results), results, strict=True))
+    known = {label: load_costs(folder) for label, folder in named.items()}
+    costs = {label: each for label, each in known.items() if each is not None}
+    loaded = {label: load_result(folder, allow_code=allow_code) for label, folder in named.items()}
     motions = motions_of(dict(zip(loaded, results, strict=True)))
     first, _ = next(iter(loaded.values()))
     title = first.path.name if len(loaded) == 1 else f"{len(loaded)} results"
     title = f"{first.cell.name}: {title}"
     if html is not None:
-        write_report(html, loaded, title=title, motions=motions)
+        write_report(html, loaded, title=title, motions=motions, costs=costs)
         print(f"written to {html}")
         return DONE
     serve(
-        report_page(loaded, title=title, motions=motions),
+        report_page(loaded, title=title, motions=motions, costs=costs),
         port,
         browser,
         ready=lambda address: print(f"{address} (Ctrl-C ends it)", flush=True),

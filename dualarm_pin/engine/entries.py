@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 from dualarm_pin.chain import Floats, Integers
+from dualarm_pin.engine.arrow_problem import ArrowProblem
 from dualarm_pin.engine.chain.derivatives import point_value
 from dualarm_pin.engine.chain.kinematics import place_segments, relative_jacobian
 from dualarm_pin.engine.chain.row_terms import row_values
+from dualarm_pin.engine.interior_point import arrow
+from dualarm_pin.engine.interior_point.barrier import add_barrier, start_slacks
+from dualarm_pin.engine.interior_point.line_search import merit_of
 from dualarm_pin.engine.interior_point.objective import all_derivatives, objective
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, Settings, solve_one
 from dualarm_pin.engine.interior_point.walk import LOST, take_step, visited
@@ -17,7 +21,7 @@ from dualarm_pin.problem import Problem
 _STAMP = source_stamp()
 
 
-def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
+def _make_solve_items(stamp: int, name: str):  # type: ignore[no-untyped-def]
     def solve_items(
         problem: Problem,
         work: Workspace,
@@ -94,6 +98,7 @@ def _make_solve_items(stamp: int):  # type: ignore[no-untyped-def]
                     break
         return stamp
 
+    solve_items.__qualname__ = name
     return entry(solve_items)
 
 
@@ -124,6 +129,30 @@ def _make_gaps(stamp: int):  # type: ignore[no-untyped-def]
     return entry(gaps)
 
 
-solve_items = _make_solve_items(_STAMP)
+def _make_differentiate(stamp: int):  # type: ignore[no-untyped-def]
+    def differentiate(problem: ArrowProblem, work: Workspace, least_slack: float) -> bool:
+        """Fill the derivatives and the border of `work.at` by the shared columns.
+
+        Args:
+            problem: A problem with shared columns.
+            work: Room, with the postures and multipliers of a minimum over the joints.
+            least_slack: Smallest slack of an inequality row.
+
+        Returns:
+            Whether it is a strict one.
+        """
+        at = work.at
+        merit_of(problem, work, at.q, work.residual, work.gap, at.slack)
+        start_slacks(problem, work.gap, least_slack, at.slack)
+        arrow.derivatives(problem, work, at)
+        add_barrier(problem, work, at, 0.0 * stamp)
+        return arrow.differentiate(problem, work)
+
+    return entry(differentiate)
+
+
+solve_items = _make_solve_items(_STAMP, "solve_items")
+solve_arrow_items = _make_solve_items(_STAMP, "solve_arrow_items")
 evaluate = _make_evaluate(_STAMP)
 gaps = _make_gaps(_STAMP)
+differentiate = _make_differentiate(_STAMP)

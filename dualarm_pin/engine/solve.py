@@ -14,11 +14,13 @@ from numpy.typing import ArrayLike
 from dualarm_pin.arrays import checked, finite
 from dualarm_pin.chain import VARIABLE, Floats, Integers
 from dualarm_pin.engine import entries
+from dualarm_pin.engine.arrow_problem import arrow_problem
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
 from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
 from dualarm_pin.engine.kernels.address import index_address
 from dualarm_pin.engine.workspace import Scratch, Workspace, new_scratch, new_workspace
 from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.placement.shared import SharedProblem
 from dualarm_pin.problem import CALLED, Problem
 from dualarm_pin.rows import table
 from dualarm_pin.solution import STATUS, Multipliers, Solution, Solutions
@@ -128,7 +130,7 @@ def solve(
     scaled = problem.scaled()
     work = workspace_for(scaled)
     if warm is not None:
-        _load(warm, work, problem.size)
+        load_multipliers(warm, work, problem.size)
     rows.run(scaled, work, item, options.settings(), keep_multipliers=warm is not None)
     size, at = problem.size, work.at
     return replace(
@@ -201,7 +203,7 @@ def evaluate(
         ShapeError: An array has another shape.
         InputError: A value is not finite.
     """
-    work = _new_workspace(problem)
+    work = new_room(problem)
     at = work.at
     at.q[:] = checked("q", q, at.q.shape)
     at.y[:] = checked("y", y, at.y.shape)
@@ -291,8 +293,12 @@ class _Batch:
     ) -> None:
         """Solve some rows in this thread."""
         posture = np.empty_like(problem.neighbours.posture)  # of this thread alone
-        entries.solve_items(
-            replace(problem, neighbours=problem.neighbours._replace(posture=posture)),
+        own = replace(problem, neighbours=problem.neighbours._replace(posture=posture))
+        solve_items = entries.solve_items
+        if isinstance(own, SharedProblem) and own.k > 1:
+            own, solve_items = arrow_problem(own, widths(own)), entries.solve_arrow_items
+        solve_items(
+            own,
             work,
             settings,
             keep_multipliers,
@@ -366,23 +372,23 @@ def workspace_for(problem: Problem, path: Problem | None = None) -> Workspace:
         problem: What is solved.
         path: The path whose points, with their rows, are put into the problem one by one.
     """
-    shape = (problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
+    shape = (problem.k, len(problem.chain.kind), problem.n, *widths(problem))
     rooms: dict[bool, tuple[object, Workspace]] = _ROOMS.__dict__.setdefault("rooms", {})
     known, work = rooms.get(problem.k == 1, (None, None))
     if work is None or known != shape:
-        work = _new_workspace(problem)
+        work = new_room(problem)
         rooms[problem.k == 1] = shape, work
     _set_calls(path or problem, work.scratch)
     return work
 
 
-def _new_workspace(problem: Problem) -> Workspace:
-    work = new_workspace(problem.k, len(problem.chain.kind), problem.n, *_widths(problem))
+def new_room(problem: Problem) -> Workspace:
+    work = new_workspace(problem.k, len(problem.chain.kind), problem.n, *widths(problem))
     _set_calls(problem, work.scratch)
     return work
 
 
-def _widths(problem: Problem) -> tuple[int, int, int]:
+def widths(problem: Problem) -> tuple[int, int, int]:
     return problem.m, problem.inequalities.kind.shape[1], len(problem.rows)
 
 
@@ -407,7 +413,7 @@ def _set_calls(problem: Problem, scratch: Scratch) -> None:
         scratch.row_calls[number] = addresses(row.name, (row.phi, row.slope, row.bend), signatures)
 
 
-def _load(warm: Multipliers, work: Workspace, size: float) -> None:
+def load_multipliers(warm: Multipliers, work: Workspace, size: float) -> None:
     """Put multipliers into the room as those of the scaled problem."""
     at = work.at
     for name, room, value in (

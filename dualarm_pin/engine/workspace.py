@@ -140,20 +140,26 @@ def new_workspace(k: int, elements: int, n: int, m: int, r: int, rows: int) -> W
         r: Inequality rows a point at most.
         rows: Different rows of the problem.
     """
+    return allocate(Workspace, sizes_of(k, elements, n, m, r, rows))
+
+
+def sizes_of(k: int, elements: int, n: int, m: int, r: int, rows: int) -> dict[str, int]:
+    """Return the lengths by the names that the annotations use; arguments as `new_workspace`."""
     sizes = {"k": k, "E": elements, "E+1": elements + 1, "n": n, "m": m, "r": r, "m+r": m + r}
-    return _allocate(Workspace, sizes | {"rows": rows, "f": FILTER_SIZE})
+    return sizes | {"rows": rows, "f": FILTER_SIZE}
 
 
 def new_scratch(elements: int, n: int, rows: int) -> Scratch:
     """Allocate the room for one point; the arguments are those of `new_workspace`."""
-    return _allocate(Scratch, {"E": elements, "E+1": elements + 1, "n": n, "rows": rows})
+    return allocate(Scratch, {"E": elements, "E+1": elements + 1, "n": n, "rows": rows})
 
 
-def _allocate(record: type[T], sizes: dict[str, int]) -> T:
+def allocate(record: type[T], sizes: dict[str, int]) -> T:
+    """Allocate a record of arrays, and the records inside it, by the lengths of their axes."""
     room = []
     for kind, shape, dtype in _layout(record):
         if dtype is None:
-            room.append(_allocate(kind, sizes))
+            room.append(allocate(kind, sizes))
         else:
             lengths = [sizes[size] if size in sizes else int(size) for size in shape]
             room.append(np.zeros(lengths, dtype=dtype))

@@ -17,8 +17,10 @@ from dualarm_pin.show.motion_table import motion_rows
 from dualarm_pin.show.page import render_page
 from dualarm_pin.show.report_tables import tables_of, units_of
 from dualarm_pin.show.scene import Scene
+from dualarm_pin.show.sensitivity import rows_of
 
 if TYPE_CHECKING:
+    from dualarm_pin.evidence.sensitivity import Costs
     from dualarm_pin.task import Task
 
 
@@ -27,13 +29,15 @@ def report_page(
     *,
     title: str = "dualarm_pin report",
     motions: Mapping[str, Motion] | None = None,
+    costs: Mapping[str, Costs] | None = None,
 ) -> bytes:
     """Return the report as one page that needs no network.
 
     Args:
-        results: Task and answer by label, at least one.
+        results: Task and answer by label, at least one; several are compared on the same axes.
         title: Title of the page, any text.
         motions: Motions in time, by the label of their result.
+        costs: What errors and limits cost, by label, where that was computed.
 
     Raises:
         InputError: There is no result.
@@ -61,9 +65,10 @@ def report_page(
             "found": trajectory.found,
         }
     scene.head["title"] = title
-    scene.head["results"] = [
-        {"title": name, "rows": rows} for name, rows in tables_of(list(results.values())).items()
-    ]
+    tables = tables_of(list(results.values()))
+    if costs:
+        tables["Sensitivity"] = rows_of([costs.get(label) for label in results])
+    scene.head["results"] = [{"title": name, "rows": rows} for name, rows in tables.items()]
     if motions:
         rows = motion_rows([motions.get(label) for label in results])
         scene.head["results"].insert(1, {"title": "Motion", "rows": rows})
@@ -78,6 +83,7 @@ def write_report(
     *,
     title: str = "dualarm_pin report",
     motions: Mapping[str, Motion] | None = None,
+    costs: Mapping[str, Costs] | None = None,
 ) -> None:
     """Write the report of one or several results as one HTML file.
 
@@ -86,9 +92,11 @@ def write_report(
         results: Task and answer by label, at least one; several are compared on the same axes.
         title: Title of the page, any text.
         motions: Motions in time, by the label of their result.
+        costs: What errors and limits cost, by label, where that was computed.
 
     Raises:
         InputError: There is no result, or the file cannot be written.
         ShapeError: A trajectory does not fit its task.
     """
-    write_bytes(pathlib.Path(file), report_page(results, title=title, motions=motions))
+    page = report_page(results, title=title, motions=motions, costs=costs)
+    write_bytes(pathlib.Path(file), page)

@@ -21,6 +21,7 @@ from dualarm_pin.indices.spec import IndexSpec, load_index
 from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
 from dualarm_pin.path.load import load_path
+from dualarm_pin.placement.spec import load_placement
 from dualarm_pin.rows.spec import load_rows
 from dualarm_pin.task.record import task_record
 from dualarm_pin.task.spec import SmoothnessSpec, TaskSpec
@@ -69,6 +70,7 @@ def parts_of_task(
             "clearance": load_clearance(spec.clearance, cell),
             "motion": spec.motion,
             "aim": spec.aim,
+            "placement": load_placement(spec.placement, cell),
             "name": source.path.stem,
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),

@@ -13,6 +13,7 @@ from dualarm_pin.files.signature import Count
 from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec
 from dualarm_pin.path.spec import PathSpec
+from dualarm_pin.placement.spec import FreeSpec
 from dualarm_pin.rows.spec import RowSpec
 from dualarm_pin.task.motion_spec import MotionSpec
 
@@ -60,6 +61,7 @@ class TaskSpec(Spec):
         aim: The smallest index, or the largest feed of the tool along the path: `index`, `feed`.
         method: How to plan it where the caller does not say: a name, or `call`, such as `global`.
         solver: The solver of that method: a name, or `call`, such as `engine`.
+        placement: What `dualarm-pin place` may change, if anything.
         module_dirs: Further folders in which the modules of `call` are found, such as `[./code]`.
     """
 
@@ -74,6 +76,7 @@ class TaskSpec(Spec):
     aim: Literal["index", "feed"] = "index"
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
+    placement: FreeSpec | None = None
     module_dirs: list[str] = Field(default_factory=list)
 
     @property

@@ -20,6 +20,7 @@ from dualarm_pin.files.numbers import MOST_POINTS
 from dualarm_pin.indices import Index
 from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
+from dualarm_pin.placement.asked import Asked
 from dualarm_pin.problem import Problem
 from dualarm_pin.rows import Row
 from dualarm_pin.solvers.solver import Solver
@@ -50,6 +51,7 @@ class Task:
         method: How to plan it where the caller does not say: a name, or a function (task, seed=...)
             that returns a `Trajectory`; None for the whole path at once.
         solver: The solver of that method where the caller does not say: a name, or a `Solver`.
+        placement: What `plan_placement` may change, if anything.
         name: Name for tables.
         record: The content of a complete task file, if the task came from one.
     """
@@ -68,6 +70,7 @@ class Task:
     aim: Literal["index", "feed"] = "index"
     method: str | Callable[..., Any] | None = None
     solver: str | Solver | None = None
+    placement: Asked | None = None
     name: str = "task"
     record: Mapping[str, Any] | None = None
 

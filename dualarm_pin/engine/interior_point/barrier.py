@@ -27,13 +27,17 @@ LEAST_SLACK = 1e-14  # of the range
 
 @compiled
 def move_inside(bounds: Bounds, push: float, q: Floats) -> None:
-    """Move q (k, n) at least push * range away from every bound; fixed variables to their value."""
+    """Move q (k, n) at least push * range away from every bound; fixed variables to their value.
+
+    A fixed variable without a value (nan) stays where the start has it.
+    """
     for i in range(q.shape[0]):
         for k in range(q.shape[1]):
             margin = push * (bounds.upper[k] - bounds.lower[k])
             q[i, k] = min(max(q[i, k], bounds.lower[k] + margin), bounds.upper[k] - margin)
         for f in range(bounds.fixed.shape[0]):
-            q[i, bounds.fixed[f]] = bounds.fixed_value[f]
+            if not math.isnan(bounds.fixed_value[f]):
+                q[i, bounds.fixed[f]] = bounds.fixed_value[f]
 
 
 @compiled

@@ -16,8 +16,8 @@ from dualarm_pin.engine.interior_point.barrier import (
     slack_steps,
     violation,
 )
-from dualarm_pin.engine.interior_point.newton import newton_step
 from dualarm_pin.engine.interior_point.objective import objective
+from dualarm_pin.engine.interior_point.system import newton
 from dualarm_pin.engine.jit.compiled import compiled, inlined
 from dualarm_pin.engine.workspace import FILTER_SIZE, Iterate, Workspace
 from dualarm_pin.problem import Problem
@@ -165,7 +165,7 @@ def _correct(
             work.target_gap[i, r] = length * here + there
             work.plain_slack_step[i, r] = work.slack_step[i, r]
     add_pull(problem, work, at, mu)
-    newton_step(problem, work, work.correction)
+    newton(problem, work, work.correction)
     slack_steps(problem, work, work.correction)
     corrected = step_to_bounds(problem, work, at, work.correction, tau)
     merit = _try(problem, work, at, corrected, work.correction)

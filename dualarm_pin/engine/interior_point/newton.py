@@ -22,8 +22,15 @@ from dualarm_pin.problem import Problem
 
 # The inertia rule and its numbers are those of Waechter and Biegler (2006), section 3.1, but for
 # the smallest shift: the objective is scaled to about 1 here.
-_SHIFT_FIRST, _SHIFT_MIN, _SHIFT_MAX = 1e-4, 1e-12, 1e12
-_SHIFT_GROW_FIRST, _SHIFT_GROW, _SHIFT_SHRINK = 100.0, 8.0, 3.0
+SHIFT_FIRST, SHIFT_MIN, SHIFT_MAX = 1e-4, 1e-12, 1e12
+SHIFT_GROW_FIRST, SHIFT_GROW, SHIFT_SHRINK = 100.0, 8.0, 3.0
+
+
+@compiled
+def factor_system(problem: Problem, work: Workspace, last_shift: float) -> float:
+    """Reduce the system at the current derivatives and factor it; return as `factor_convex`."""
+    reduce_system(problem, work)
+    return factor_convex(work, last_shift)
 
 
 @inlined
@@ -99,11 +106,11 @@ def factor_convex(work: Workspace, last_shift: float) -> float:
     if block_cholesky(work.diagonal, work.coupling, work.free, 0.0, work.factor, work.below):
         return 0.0
     first = last_shift == 0.0
-    shift = _SHIFT_FIRST if first else max(_SHIFT_MIN, last_shift / _SHIFT_SHRINK)
-    while shift < _SHIFT_MAX:
+    shift = SHIFT_FIRST if first else max(SHIFT_MIN, last_shift / SHIFT_SHRINK)
+    while shift < SHIFT_MAX:
         if block_cholesky(work.diagonal, work.coupling, work.free, shift, work.factor, work.below):
             return shift
-        shift *= _SHIFT_GROW_FIRST if first else _SHIFT_GROW
+        shift *= SHIFT_GROW_FIRST if first else SHIFT_GROW
     return -1.0
 
 
@@ -151,7 +158,7 @@ def newton_step(problem: Problem, work: Workspace, step: Floats) -> None:
             step[i, k] = 0.0  # not quite, after the mirrors
 
 
-@inlined
+@compiled
 def newton_multipliers(problem: Problem, work: Workspace, step: Floats) -> None:
     """Fill new_y (k, m): T^T y = -B (grad + H dq); 0 for rows that were dropped."""
     count, n = step.shape

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dualarm_pin.chain import Floats
 from dualarm_pin.engine.chain.derivatives import point_derivatives, point_value
 from dualarm_pin.engine.interior_point.links import add_links, links_value
-from dualarm_pin.engine.jit.compiled import compiled, copy_rows, inlined
+from dualarm_pin.engine.jit.compiled import compiled, copy_rows
 from dualarm_pin.engine.workspace import Iterate, Workspace
 from dualarm_pin.problem import Problem
 
@@ -23,7 +23,7 @@ def objective(problem: Problem, work: Workspace, q: Floats, residual: Floats, ga
     return total + links_value(problem, q)
 
 
-@inlined
+@compiled
 def all_derivatives(problem: Problem, work: Workspace, at: Iterate) -> None:
     """Fill jacobians, gradient and the Hessian's diagonal blocks.
 

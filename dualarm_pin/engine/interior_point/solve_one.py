@@ -18,14 +18,13 @@ from dualarm_pin.engine.interior_point.barrier import (
     start_slacks,
 )
 from dualarm_pin.engine.interior_point.line_search import Limits, Merit, merit_of, remember, search
-from dualarm_pin.engine.interior_point.newton import (
-    factor_convex,
-    newton_multipliers,
-    newton_step,
-    reduce_system,
+from dualarm_pin.engine.interior_point.system import (
+    derivatives,
+    factor,
+    new_multipliers,
+    newton,
+    restoration,
 )
-from dualarm_pin.engine.interior_point.objective import all_derivatives
-from dualarm_pin.engine.interior_point.restoration import restore
 from dualarm_pin.engine.jit.compiled import compiled, copy_rows, inlined
 from dualarm_pin.engine.workspace import Iterate, Workspace
 from dualarm_pin.problem import Problem
@@ -106,7 +105,7 @@ def solve_one(  # noqa: PLR0915  one loop, in the order of algorithm A of Waecht
     status, iterations, restorations, filtered = ITERATION_LIMIT, 0, 0, 0
     shift, used, dual, left, looked = 0.0, 0.0, math.inf, 0.0, math.inf
     while True:
-        all_derivatives(problem, work, at)
+        derivatives(problem, work, at)
         dual, primal, high, low, scale = optimality(problem, work, at)
         if max(dual / scale, primal, high / scale) < settings.tolerance:
             status = CONVERGED
@@ -128,8 +127,7 @@ def solve_one(  # noqa: PLR0915  one loop, in the order of algorithm A of Waecht
         tau = max(_TAU_MIN, 1.0 - mu)
 
         add_barrier(problem, work, at, mu)
-        reduce_system(problem, work)
-        used = factor_convex(work, shift)
+        used = factor(problem, work, shift)
         length = 0.0
         if used >= 0.0:
             shift = used if used > 0.0 else shift
@@ -155,7 +153,7 @@ def solve_one(  # noqa: PLR0915  one loop, in the order of algorithm A of Waecht
     if status != CONVERGED and _is_better(best_merit, now):
         copy_iterate(best, at)
         now = merit_of(problem, work, at.q, work.residual, work.gap, at.slack)
-        all_derivatives(problem, work, at)
+        derivatives(problem, work, at)
         dual = optimality(problem, work, at)[0]
     residual = largest(problem, work.residual, work.gap)
     if status == ITERATION_LIMIT and residual > _FEASIBLE and settings.tolerance < _ROUGH:
@@ -169,7 +167,7 @@ def _begin_again(
 ) -> tuple[float, Merit]:
     """Bring every point back to its rows and set slacks and multipliers; return what is left."""
     at = work.at
-    left = restore(problem, work, at.q, _RESTORE_STEPS, _RESTORE_TOLERANCE)
+    left = restoration(problem, work, at.q, _RESTORE_STEPS, _RESTORE_TOLERANCE)
     merit_of(problem, work, at.q, work.residual, work.gap, at.slack)
     start_slacks(problem, work.gap, settings.push, at.slack)
     start_multipliers(problem, mu, at)
@@ -216,8 +214,8 @@ def _newton(problem: Problem, work: Workspace, at: Iterate, mu: float) -> None:
         for r in range(problem.inequalities.size[i]):
             work.target_gap[i, r] = work.gap[i, r] - at.slack[i, r]
     add_pull(problem, work, at, mu)
-    newton_step(problem, work, work.step)
-    newton_multipliers(problem, work, work.step)
+    newton(problem, work, work.step)
+    new_multipliers(problem, work, work.step)
     slack_steps(problem, work, work.step)
 
 
@@ -225,7 +223,7 @@ def _newton(problem: Problem, work: Workspace, at: Iterate, mu: float) -> None:
 def _reachable(problem: Problem, work: Workspace, at: Iterate) -> int:
     """Tell an iteration limit from a point that comes no nearer to its rows by itself."""
     copy_rows(at.q, work.correction)
-    left = restore(problem, work, work.correction, _RESTORE_STEPS, _RESTORE_TOLERANCE)
+    left = restoration(problem, work, work.correction, _RESTORE_STEPS, _RESTORE_TOLERANCE)
     return INFEASIBLE if left > _FEASIBLE else ITERATION_LIMIT
 
 

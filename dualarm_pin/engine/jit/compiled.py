@@ -8,12 +8,14 @@ folder is read-only numba writes to the user's cache folder by itself.
 from __future__ import annotations
 
 import hashlib
+import inspect
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
+import numba.extending
 from numba.core import codegen
 from numba.core.compiler_lock import global_compiler_lock
 
@@ -48,6 +50,26 @@ def inlined(function: F) -> F:
         function
     )
     return jitted
+
+
+def by_type(plain: F, other: Callable[..., Any], field: str) -> F:
+    """Return a function for compiled code only: `other` where the first argument has a field.
+
+    The choice is made at compile time; both functions name their arguments alike. What is not
+    chosen is not compiled.
+    """
+
+    def choice(*given: Any) -> Any:
+        raise NotImplementedError("only compiled code calls this")
+
+    def choose(first: Any, *_: Any) -> Any:
+        chosen: Any = other if field in getattr(first, "fields", ()) else plain
+        return chosen.py_func
+
+    choose.__signature__ = inspect.signature(cast(Any, plain).py_func)  # type: ignore[attr-defined]
+    options: Any = {"fastmath": _FAST, "error_model": "numpy", "nogil": True, "_nrt": False}
+    numba.extending.overload(choice, jit_options=options, strict=False)(choose)
+    return cast(F, choice)
 
 
 def entry(function: F) -> F:

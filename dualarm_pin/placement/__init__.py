@@ -1,0 +1,1 @@
+"""Where bases, workpiece and tool stand, as variables that all points of a path share."""
