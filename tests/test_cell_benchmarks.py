@@ -17,6 +17,7 @@ FOLDER = urdf_folder() / "cells"
 # cell: joints of the two arms, distance of the tools [m] (their grippers need room)
 CELLS = {
     "ns16_pair": (6, 6, 0.3),
+    "abb_6640_1200": (6, 6, 0.3),
     "b01_ur5_pair": (6, 6, 0.3),
     "b02_panda_pair": (7, 7, 0.3),
     "b03_ur10_pair": (6, 6, 0.3),

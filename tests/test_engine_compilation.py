@@ -26,8 +26,9 @@ def test_notice_is_printed_when_compiling_and_only_then(tmp_path):
     ]
     first, second = (run.stdout.splitlines() for run in runs)
     assert first[0].startswith("compiling the engine, once"), runs[0].stderr
-    assert first[1].startswith("False ")
-    assert str(tmp_path) in first[1]
-    assert first[1].endswith(" True")
-    assert len(first) == 2
-    assert second == [first[1].replace("False", "True", 1)]
+    assert first[1].startswith("compiled in ")
+    assert first[2].startswith("False ")
+    assert str(tmp_path) in first[2]
+    assert first[2].endswith(" True")
+    assert len(first) == 3
+    assert second == [first[2].replace("False", "True", 1)]

@@ -20,7 +20,9 @@ _DIGITS = 12  # significant: what rounding leaves is far below any tolerance
 def _write(program: Program) -> Files:
     text = io.StringIO()
     text.writelines(f"# {line}\n" for line in program.comment)
-    writer = csv.writer(text, lineterminator="\n")
+    # What ends a line inside a name is not quoted by itself.
+    quoting = csv.QUOTE_ALL if "\r" in "".join(program.joints) else csv.QUOTE_MINIMAL
+    writer = csv.writer(text, lineterminator="\n", quoting=quoting)
     kinds = ("", "velocity ", "acceleration ")
     writer.writerow(["time", *(kind + joint for kind in kinds for joint in program.joints)])
     points = program.points

@@ -72,7 +72,7 @@ def _jitted(function: Any, known: dict[int, Any]) -> Any:
         function.__defaults__,
         tuple(CellType(_jitted(each, known) if is_own(each) else each) for each in cells),
     )
-    made.__kwdefaults__, made.__module__ = function.__kwdefaults__, function.__module__
-    made.__qualname__ = function.__qualname__
+    made.__kwdefaults__, made.__qualname__ = function.__kwdefaults__, function.__qualname__
+    made.__module__ = __name__  # what is kept imports this; its own may be a file, or no module
     known[id(function)] = _njit(error_model="numpy")(made)
     return known[id(function)]
