@@ -21,8 +21,8 @@ def _write(program: Program) -> Files:
     text = io.StringIO()
     text.writelines(f"# {line}\n" for line in program.comment)
     # What ends a line inside a name is not quoted by itself.
-    quoting = csv.QUOTE_ALL if "\r" in "".join(program.joints) else csv.QUOTE_MINIMAL
-    writer = csv.writer(text, lineterminator="\n", quoting=quoting)
+    ends = any("\r" in joint for joint in program.joints)
+    writer = csv.writer(text, "unix" if ends else "excel", lineterminator="\n")
     kinds = ("", "velocity ", "acceleration ")
     writer.writerow(["time", *(kind + joint for kind in kinds for joint in program.joints)])
     points = program.points
