@@ -51,7 +51,9 @@ class Round:
     fine: int = 5
 
 
-_LONG, _COARSE_POINTS = 40, 32  # a longer path is walked and raced on that many points
+# Longer paths are walked and raced on so many points: in turn with all of them, which finds what
+# the coarse path misses, or always where all would cost too much.
+_LONG, _COARSE_POINTS, _TOO_LONG = 40, 32, 100
 _FINE_SHARE = 0.25  # s: what the fine refinements of one round may cost at 40 iterations each
 _ALONE = Options(1e-4, 60)  # a start that needs more hardly ever converges
 _RACE_ITERATIONS = 6  # after these the objective ranks paths far better than before the first
@@ -88,8 +90,9 @@ class TrackLaw:
         self.rounds: list[float] = []
         self.unseen, self.reachable = 1.0, True
         whole = Coarse(problem, np.arange(problem.k), problem.k)
-        self._coarse = whole if problem.k <= _LONG else coarse_of(problem, _COARSE_POINTS)
-        self._wide = self.turns.widened(self._coarse.problem)
+        self._levels = [whole] if problem.k <= _TOO_LONG else []
+        if problem.k > _LONG:
+            self._levels.insert(0, coarse_of(problem, _COARSE_POINTS))
         self._most = max(1, int(_FINE_SHARE / self.work.seconds(40.0 * problem.k)))
         self._starts = 0
         self._ends: list[Solutions] = []
@@ -121,14 +124,16 @@ class TrackLaw:
         """
         how = how or Round()
         random = generator(self.seed, 40, self.number, len(self.rounds))
-        mu, push = MUS[(self.number + len(self.rounds)) % len(MUS)]
+        turn, lap = len(self.rounds), len(self.rounds) // len(self._levels)
+        level = self._levels[turn % len(self._levels)]
+        mu, push = MUS[(self.number + turn + (lap if len(self._levels) > 1 else 0)) % len(MUS)]
         self.rounds.append(np.inf)
-        paths, value = self._walked(random, how)
+        paths, value = self._walked(level.problem, random, how)
         kept, count = _groups(paths, value)
         kept, count = kept[: how.raced], count[: how.raced]
         if not len(kept):
             return
-        coarse = self._coarse.problem
+        coarse = level.problem
         race = self._solved(coarse, paths[kept], Options(1e-3, _RACE_ITERATIONS, mu, push))
         standing = race.objective + 10.0 * np.maximum(0.0, race.residual - _OFF_PATH)
         top = np.argsort(standing, kind="stable")[: how.coarse]
@@ -140,14 +145,16 @@ class TrackLaw:
             kept, merged = _groups(folded, ends.objective[near], count[near])
             fine = min(how.fine, self._most)
             kept, count = kept[:fine], merged[:fine]
-            paths = np.array([self._coarse.start(folded[at]) for at in kept])
+            paths = np.array([level.start(folded[at]) for at in kept])
         for part in np.array_split(np.arange(len(paths)), max(1, -(-len(paths) // 3))):
             if len(part):
                 self._settle(paths[part], count[part], mu, push)
 
-    def _walked(self, random: np.random.Generator, how: Round) -> tuple[Array, Array]:
-        """Return walked coarse paths (s, k, n), folded, and their objectives."""
-        problem, turns = self._coarse.problem, self.turns
+    def _walked(
+        self, problem: Problem, random: np.random.Generator, how: Round
+    ) -> tuple[Array, Array]:
+        """Return walked paths (s, k, n) of the whole or the coarse path, folded, and objectives."""
+        turns = self.turns
         anchors = anchor_points(problem.k)
         at = np.repeat(anchors, how.postures)
         postures = random.uniform(turns.lower, turns.upper, (len(at), 1, problem.n))
@@ -165,7 +172,7 @@ class TrackLaw:
         self.unseen = once / met if met else 1.0
         if not chosen:
             return np.zeros((0, problem.k, problem.n)), np.zeros(0)
-        walked = engine.walk_many(self._wide, folded[chosen, 0], at[chosen], jobs=self.jobs)
+        walked = engine.walk_many(turns.widened(problem), folded[chosen, 0], at[chosen], jobs=self.jobs)
         self.work.add(walked.steps)
         if walked.interrupted:
             raise KeyboardInterrupt
