@@ -22,6 +22,7 @@ from dualarm_pin.search.coarse import Coarse, coarse_of
 from dualarm_pin.search.law import Drawn
 from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.starts import generator
+from dualarm_pin.search.sweep import LONG, Sweeps
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
 from dualarm_pin.solution import Solutions
@@ -54,7 +55,7 @@ class Round:
 # Longer paths are walked and raced on so many points: in turn with all of them, which finds what
 # the coarse path misses, or always where all would cost too much.
 _LONG, _COARSE_POINTS, _TOO_LONG = 40, 32, 100
-_FINE_SHARE = 0.25  # s: what the fine refinements of one round may cost at 40 iterations each
+_FINE_SHARE = 0.25  # s: after these a round refines no more paths
 _ALONE = Options(1e-4, 60)  # a start that needs more hardly ever converges
 _RACE_ITERATIONS = 6  # after these the objective ranks paths far better than before the first
 _NEAR = 1e-2  # a coarse end or a minimum of one point alone within this counts as on its rows
@@ -93,7 +94,7 @@ class TrackLaw:
         self._levels = [whole] if problem.k <= _TOO_LONG else []
         if problem.k > _LONG:
             self._levels.insert(0, coarse_of(problem, _COARSE_POINTS))
-        self._most = max(1, int(_FINE_SHARE / self.work.seconds(40.0 * problem.k)))
+        self._sweeps = Sweeps(problem, self.work, jobs) if problem.k > LONG else None
         self._starts = 0
         self._ends: list[Solutions] = []
         self._weight: list[Integers] = []
@@ -143,12 +144,14 @@ class TrackLaw:
             near = np.flatnonzero(ends.residual < _NEAR)
             folded = self.turns.folded(ends.q[near])
             kept, merged = _groups(folded, ends.objective[near], count[near])
-            fine = min(how.fine, self._most)
-            kept, count = kept[:fine], merged[:fine]
+            kept, count = kept[: how.fine], merged[: how.fine]
             paths = np.array([level.start(folded[at]) for at in kept])
-        for part in np.array_split(np.arange(len(paths)), max(1, -(-len(paths) // 3))):
-            if len(part):
-                self._settle(paths[part], count[part], mu, push)
+        spent, at_once = self.work.spent, 3 if self._sweeps is None else 1
+        for first in range(0, len(paths), at_once):
+            part = slice(first, first + at_once)
+            self._settle(paths[part], count[part], mu, push)
+            if self.work.spent - spent > _FINE_SHARE:
+                return
 
     def _walked(
         self, problem: Problem, random: np.random.Generator, how: Round
@@ -172,7 +175,9 @@ class TrackLaw:
         self.unseen = once / met if met else 1.0
         if not chosen:
             return np.zeros((0, problem.k, problem.n)), np.zeros(0)
-        walked = engine.walk_many(turns.widened(problem), folded[chosen, 0], at[chosen], jobs=self.jobs)
+        walked = engine.walk_many(
+            turns.widened(problem), folded[chosen, 0], at[chosen], jobs=self.jobs
+        )
         self.work.add(walked.steps)
         if walked.interrupted:
             raise KeyboardInterrupt
@@ -185,10 +190,15 @@ class TrackLaw:
     def _settle(self, paths: Array, count: Integers, mu: float, push: float) -> None:
         """Refine paths on all points; keep and offer the ends."""
         options = Options(TOLERANCE.search, mu0=mu, push=push)
-        ends = self._solved(self.problem, paths, options, limit=self.pool.limit, keep=True)
+        if self._sweeps is None:
+            ends = self._solved(self.problem, paths, options, limit=self.pool.limit, keep=True)
+            good = ends.converged & ~ends.saddle
+        else:
+            ends = self._sweeps.settled(paths, options)
+            ends, good = replace(ends, q=self.turns.folded(ends.q)), ends.feasible
         self._ends.append(ends)
         self._weight.append(count)
-        for end in np.flatnonzero(ends.converged & ~ends.saddle):
+        for end in np.flatnonzero(good):
             self.pool.offer(ends.q[end], ends.objective[end])
             self.rounds[-1] = min(self.rounds[-1], float(ends.objective[end]))
         if ends.interrupted:
