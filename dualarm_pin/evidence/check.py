@@ -5,6 +5,7 @@ It shows a strict local minimum, within floating point, and nothing beyond its o
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import nan
 from typing import TYPE_CHECKING
 
@@ -30,6 +31,7 @@ RETURNS = 20
 SHIFTS = (0.2, 0.1, 0.05, 0.02)
 _FAR = 1e-2  # of the objective: a nearby start that stays above by more has left for elsewhere
 _LEAST_RETURNS, _ITERATIONS = 5, 25  # fewer say nothing; what one of them takes as a rule
+_POLISH = 0.3  # s that one polish may take, as `search.work.Work` counts them
 _MOST_ADOPTIONS = 5  # the paper's best path needs none; a search that needs more goes on for long
 
 
@@ -49,10 +51,12 @@ def check_minimum(
     Returns:
         The polished path (k, n), or a better one that a nearby start led to; its check.
     """
-    q = polished(problem, q)
+    q, settled = _polished(problem, q)
     best = problem.objective(q)
     each = Work(problem).seconds(_ITERATIONS * problem.k)
     count = max(_LEAST_RETURNS, min(RETURNS, int(work / each)))
+    if not settled and count * each > work:  # a long path that is no minimum: nothing returns to it
+        return q, _local(problem, q, None, nan, 0, curved=False)
     adopted = 0
     while True:
         radius, share, better = _returns(problem, q, best, seed + adopted, jobs, count)
@@ -69,10 +73,15 @@ def check_held(problem: Problem, q: Array) -> LocalCheck:
 
 
 def _local(
-    problem: Problem, q: Array, radius: float | None, share: float, adopted: int
+    problem: Problem,
+    q: Array,
+    radius: float | None,
+    share: float,
+    adopted: int,
+    curved: bool = True,
 ) -> LocalCheck:
     first = stationarity(problem, q)
-    curvature, directions = curvature_min(problem, q, first)
+    curvature, directions = curvature_min(problem, q, first) if curved else (None, 0)
     cost = np.sum(first.bound_multipliers, axis=0)
     return LocalCheck(
         objective=float(first.objective),
@@ -92,12 +101,20 @@ def _local(
 
 def polished(problem: Problem, q: Array) -> Array:
     """Return q (k, n) at the polish tolerance, or q itself where the solver did worse."""
+    return _polished(problem, q)[0]
+
+
+def _polished(problem: Problem, q: Array) -> tuple[Array, bool]:
+    """Return `polished`, and whether the solver came to an end there."""
+    iterations = int(_POLISH / Work(problem).seconds(problem.k))
     for tolerance in (TOLERANCE.polish, TOLERANCE.search):  # round-off may bar the first
-        end = engine.solve(problem, q, options=near(tolerance))
+        options = near(tolerance)
+        options = replace(options, iterations=max(40, min(options.iterations, iterations)))
+        end = engine.solve(problem, q, options=options)
         same_level = end.objective <= problem.objective(q) + TOLERANCE.same_objective
         if end.converged and end.feasible and same_level:
-            return end.q
-    return q
+            return end.q, True
+    return q, False
 
 
 def near(tolerance: float, mu0: float = 1e-4) -> Options:

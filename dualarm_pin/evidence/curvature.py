@@ -16,6 +16,7 @@ from dualarm_pin.reference import point_gradient
 from dualarm_pin.relative import Relative
 from dualarm_pin.tolerance import TOLERANCE
 
+_RESOLVED = 1e-12  # of the size of the matrix: where rounding leaves no more
 _DIFFERENCE = 1e-5  # rad or m; the error of a central difference is then about 1e-10
 
 
@@ -47,10 +48,29 @@ def curvature_min(problem: Problem, q: Array, first: Stationarity) -> tuple[floa
         for (r, c), value in np.ndenumerate(np.concatenate(blocks)):
             if r >= c:
                 band[r - c, begin[i] + c] = value
-    from scipy.linalg import eigvals_banded
+    return _smallest(band[:total]), total
 
-    values = eigvals_banded(band[:total], lower=True, select="i", select_range=(0, 0))
-    return float(values[0]), total
+
+def _smallest(band: Array) -> float:
+    """Return the smallest eigenvalue of a symmetric matrix by its lower band (b, m).
+
+    By bisection: shifted by less than it, the matrix has a Cholesky factor. That takes time linear
+    in the number of points, where a reduction of all eigenvalues takes the square.
+    """
+    from scipy.linalg import LinAlgError, cholesky_banded
+
+    high = float(band[0].min())
+    size = float(np.abs(band).sum(axis=0).max()) * 2.0
+    low, shifted = high - size, band.copy()
+    while high - low > _RESOLVED * max(1.0, size):
+        middle = 0.5 * (low + high)
+        shifted[0] = band[0] - middle
+        try:
+            cholesky_banded(shifted, lower=True, check_finite=False)
+            low = middle
+        except LinAlgError:
+            high = middle
+    return 0.5 * (low + high)
 
 
 def _free_directions(first: Stationarity, i: int) -> Array:

@@ -18,6 +18,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.splice import splices
 from dualarm_pin.search.starts import generator
+from dualarm_pin.search.sweep import LONG, Sweeps
 from dualarm_pin.search.track import MUS
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
@@ -26,6 +27,7 @@ from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
+Flags = NDArray[np.bool_]
 _BATCH = 8  # hops made at once ...
 _BATCH_COST = 0.1  # ... or fewer, where 20 iterations of each would cost more than this [s]
 _LOG_SHIFT = (np.log(0.3), np.log(3.0))  # rad, of all joints together
@@ -34,7 +36,7 @@ _ITERATIONS = 60
 _HERE = Options(1e-3, 0, push=TOLERANCE.no_length)  # the objective of a start, and no more
 _SPLICE_EVERY = 5
 _SPLICED = 12  # best paths that are spliced
-_LONG = 150  # points: on longer paths the values of all points cost more than splices are worth
+_OF_LONG = [31, 61]  # points of a hop on a long path, where links are weak and whole solves stall
 # Either the nearest minimum of the disturbed point alone, or merely its nearest place on the path.
 _ALONE, _PLACED = Options(1e-4, 60), Options(1e-4, 5, 1e-3, 1e-3)
 
@@ -63,6 +65,9 @@ class Hops:
         k = problem.k
         sizes = {max(9, k // 4) | 1, max(17, k // 2) | 1}
         self._sizes = [*sorted(size for size in sizes if size < k), k]
+        self._sweeps = Sweeps(problem, work, jobs) if k > LONG else None
+        if self._sweeps is not None:
+            self._sizes = _OF_LONG
         self.made = self._batches = 0
         self._known: dict[bytes, Array] = {}
         self._spliced: set[bytes] = set()
@@ -76,7 +81,7 @@ class Hops:
         random = generator(self.seed, 41, self.number, self._batches)
         self._batches += 1
         self._hop(int(random.choice(self._sizes)), random)
-        many = len(self.pool.paths) > 2 and self.problem.k <= _LONG
+        many = len(self.pool.paths) > 2 and self._sweeps is None  # values of long paths cost more
         if many and self._batches % _SPLICE_EVERY == 0:
             self._splice(random)
 
@@ -141,7 +146,10 @@ class Hops:
         )
         for end in np.flatnonzero(better):
             base[end, first[end] : first[end] + w] = ends.q[end]
-        if better.any():
+        if better.any() and self._sweeps is not None:
+            valued = self._sweeps.valued(base[better])
+            self._offer(valued, valued.feasible)
+        elif better.any():
             self._offer(self._solved(base[better], Options(mu0=1e-3, push=1e-3)))
 
     def _splice(self, random: np.random.Generator) -> None:
@@ -171,8 +179,8 @@ class Hops:
                 self._known[q.tobytes()] = values
         return np.array([self._known[q.tobytes()] for q in paths])
 
-    def _offer(self, ends: Solutions) -> None:
-        for end in np.flatnonzero(ends.converged & ~ends.saddle):
+    def _offer(self, ends: Solutions, good: Flags | None = None) -> None:
+        for end in np.flatnonzero(ends.converged & ~ends.saddle if good is None else good):
             self.pool.offer(ends.q[end], ends.objective[end])
         if ends.interrupted:
             raise KeyboardInterrupt

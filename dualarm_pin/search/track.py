@@ -22,6 +22,7 @@ from dualarm_pin.search.coarse import Coarse, coarse_of
 from dualarm_pin.search.law import Drawn
 from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.starts import generator
+from dualarm_pin.search.sweep import LONG, Sweeps
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
 from dualarm_pin.solution import Solutions
@@ -51,8 +52,10 @@ class Round:
     fine: int = 5
 
 
-_LONG, _COARSE_POINTS = 40, 32  # a longer path is walked and raced on that many points
-_FINE_SHARE = 0.25  # s: what the fine refinements of one round may cost at 40 iterations each
+# Longer paths are walked and raced on so many points: in turn with all of them, which finds what
+# the coarse path misses, or always where all would cost too much.
+_LONG, _COARSE_POINTS, _TOO_LONG = 40, 32, 100
+_FINE_SHARE = 0.25  # s: after these a round refines no more paths
 _ALONE = Options(1e-4, 60)  # a start that needs more hardly ever converges
 _RACE_ITERATIONS = 6  # after these the objective ranks paths far better than before the first
 _NEAR = 1e-2  # a coarse end or a minimum of one point alone within this counts as on its rows
@@ -88,9 +91,10 @@ class TrackLaw:
         self.rounds: list[float] = []
         self.unseen, self.reachable = 1.0, True
         whole = Coarse(problem, np.arange(problem.k), problem.k)
-        self._coarse = whole if problem.k <= _LONG else coarse_of(problem, _COARSE_POINTS)
-        self._wide = self.turns.widened(self._coarse.problem)
-        self._most = max(1, int(_FINE_SHARE / self.work.seconds(40.0 * problem.k)))
+        self._levels = [whole] if problem.k <= _TOO_LONG else []
+        if problem.k > _LONG:
+            self._levels.insert(0, coarse_of(problem, _COARSE_POINTS))
+        self._sweeps = Sweeps(problem, self.work, jobs) if problem.k > LONG else None
         self._starts = 0
         self._ends: list[Solutions] = []
         self._weight: list[Integers] = []
@@ -121,14 +125,16 @@ class TrackLaw:
         """
         how = how or Round()
         random = generator(self.seed, 40, self.number, len(self.rounds))
-        mu, push = MUS[(self.number + len(self.rounds)) % len(MUS)]
+        turn, lap = len(self.rounds), len(self.rounds) // len(self._levels)
+        level = self._levels[turn % len(self._levels)]
+        mu, push = MUS[(self.number + turn + (lap if len(self._levels) > 1 else 0)) % len(MUS)]
         self.rounds.append(np.inf)
-        paths, value = self._walked(random, how)
+        paths, value = self._walked(level.problem, random, how)
         kept, count = _groups(paths, value)
         kept, count = kept[: how.raced], count[: how.raced]
         if not len(kept):
             return
-        coarse = self._coarse.problem
+        coarse = level.problem
         race = self._solved(coarse, paths[kept], Options(1e-3, _RACE_ITERATIONS, mu, push))
         standing = race.objective + 10.0 * np.maximum(0.0, race.residual - _OFF_PATH)
         top = np.argsort(standing, kind="stable")[: how.coarse]
@@ -138,16 +144,20 @@ class TrackLaw:
             near = np.flatnonzero(ends.residual < _NEAR)
             folded = self.turns.folded(ends.q[near])
             kept, merged = _groups(folded, ends.objective[near], count[near])
-            fine = min(how.fine, self._most)
-            kept, count = kept[:fine], merged[:fine]
-            paths = np.array([self._coarse.start(folded[at]) for at in kept])
-        for part in np.array_split(np.arange(len(paths)), max(1, -(-len(paths) // 3))):
-            if len(part):
-                self._settle(paths[part], count[part], mu, push)
+            kept, count = kept[: how.fine], merged[: how.fine]
+            paths = np.array([level.start(folded[at]) for at in kept])
+        spent, at_once = self.work.spent, 3 if self._sweeps is None else 1
+        for first in range(0, len(paths), at_once):
+            part = slice(first, first + at_once)
+            self._settle(paths[part], count[part], mu, push)
+            if self.work.spent - spent > _FINE_SHARE:
+                return
 
-    def _walked(self, random: np.random.Generator, how: Round) -> tuple[Array, Array]:
-        """Return walked coarse paths (s, k, n), folded, and their objectives."""
-        problem, turns = self._coarse.problem, self.turns
+    def _walked(
+        self, problem: Problem, random: np.random.Generator, how: Round
+    ) -> tuple[Array, Array]:
+        """Return walked paths (s, k, n) of the whole or the coarse path, folded, and objectives."""
+        turns = self.turns
         anchors = anchor_points(problem.k)
         at = np.repeat(anchors, how.postures)
         postures = random.uniform(turns.lower, turns.upper, (len(at), 1, problem.n))
@@ -165,7 +175,9 @@ class TrackLaw:
         self.unseen = once / met if met else 1.0
         if not chosen:
             return np.zeros((0, problem.k, problem.n)), np.zeros(0)
-        walked = engine.walk_many(self._wide, folded[chosen, 0], at[chosen], jobs=self.jobs)
+        walked = engine.walk_many(
+            turns.widened(problem), folded[chosen, 0], at[chosen], jobs=self.jobs
+        )
         self.work.add(walked.steps)
         if walked.interrupted:
             raise KeyboardInterrupt
@@ -178,10 +190,15 @@ class TrackLaw:
     def _settle(self, paths: Array, count: Integers, mu: float, push: float) -> None:
         """Refine paths on all points; keep and offer the ends."""
         options = Options(TOLERANCE.search, mu0=mu, push=push)
-        ends = self._solved(self.problem, paths, options, limit=self.pool.limit, keep=True)
+        if self._sweeps is None:
+            ends = self._solved(self.problem, paths, options, limit=self.pool.limit, keep=True)
+            good = ends.converged & ~ends.saddle
+        else:
+            ends = self._sweeps.settled(paths, options)
+            ends, good = replace(ends, q=self.turns.folded(ends.q)), ends.feasible
         self._ends.append(ends)
         self._weight.append(count)
-        for end in np.flatnonzero(ends.converged & ~ends.saddle):
+        for end in np.flatnonzero(good):
             self.pool.offer(ends.q[end], ends.objective[end])
             self.rounds[-1] = min(self.rounds[-1], float(ends.objective[end]))
         if ends.interrupted:
