@@ -36,7 +36,7 @@ class Nearest:
     lacking: tuple[tuple[str, ...], ...]
 
 
-def nearest_along(cell: Cell, q: Array, required: Array) -> Nearest | None:
+def nearest_along(cell: Cell, q: Array, required: Array, *, inner: int = INNER) -> Nearest | None:
     """Return what is nearest on straight lines between postures.
 
     Bodies of different arms, objects and what stands still count; links of one arm, which are
@@ -46,6 +46,7 @@ def nearest_along(cell: Cell, q: Array, required: Array) -> Nearest | None:
         cell: The two arms.
         q: Postures (h, n) [rad or m].
         required: What each of `Cell.pairs` must keep (p,) [m]; -inf leaves a pair out.
+        inner: Places between two postures that are looked at.
 
     Returns:
         None where no pair counts.
@@ -54,7 +55,7 @@ def nearest_along(cell: Cell, q: Array, required: Array) -> Nearest | None:
     apart = cell.apart_by_nature
     if not np.any(apart[counts]):
         return None
-    at = np.arange((len(q) - 1) * (INNER + 1) + 1) / (INNER + 1)
+    at = np.arange((len(q) - 1) * (inner + 1) + 1) / (inner + 1)
     line = np.minimum(at.astype(int), len(q) - 2)
     places = q[line] + (at - line)[:, None] * (q[line + 1] - q[line])
     geometry, data, scene = cell.collision, cell.model.createData(), cell.collision.createData()

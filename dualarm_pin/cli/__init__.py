@@ -26,7 +26,7 @@ app = cyclopts.App(
     result_action="return_value",
     suppress_keyboard_interrupt=False,
 )
-_COMMANDS = "paper check new explain solve place sensitivity motion trade view export bench"
+_COMMANDS = "paper check new explain solve place design sensitivity motion trade view export bench"
 for _name in _COMMANDS.split():
     app.command(f"dualarm_pin.cli.{_name}:{_name}", name=_name)
 

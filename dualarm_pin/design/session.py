@@ -18,13 +18,15 @@ from numpy.typing import ArrayLike, NDArray
 
 from dualarm_pin.arrays import checked as checked_array
 from dualarm_pin.design.pool import Pool, global_minima
+from dualarm_pin.design.standing import change_to, parameters_of, stands
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
-from dualarm_pin.placement.parameters import BASE, ELEMENTS, checked, moved_base
+from dualarm_pin.placement.parameters import BASE
 from dualarm_pin.placement.shared import placed
 from dualarm_pin.problem import Neighbours
 from dualarm_pin.solution import Multipliers, Solution
 from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.task.changed import changed_task
 from dualarm_pin.task.moved import moved_task
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -35,7 +37,6 @@ Array = NDArray[np.float64]
 
 _CLOSE = 0.02  # of the best value: two members this near may change rank
 _FAR, _FAR_TURN = 0.02, np.deg2rad(5.0)  # m and rad since the last search
-_BOX = 100.0  # m or rad: a session has no boxes
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,10 +87,9 @@ class Session:
     ) -> None:
         self.task, self.callbacks = task, list[Callable[[Answer], Any]]()
         self._seed, self._jobs, self._searches = seed, jobs, 0
-        names = [name for name in ELEMENTS if _has(task, name)]
-        self._free = checked({name: (-_BOX, _BOX) for name in names}, task.cell)
+        self._free = parameters_of(task.cell)
         self._names = tuple(each.name for each in self._free)
-        self._values = np.zeros(len(names))
+        self._values = np.zeros(len(self._free))
         self._searched_at = self._values.copy()
         self._pool = Pool(size)
         self._state()
@@ -116,16 +116,15 @@ class Session:
             InputError: A value is not finite, or the base is tilted.
         """
         values = dict(zip(self._names, self._values.tolist(), strict=True))
-        stands = self.task.cell.arms[1].base
         if base2 is not None:
             self._known(f"{BASE}.x")
-            values |= _of_pose(stands, base2)
+            values |= change_to(self.task.cell.arms[1].base, base2)
         for given, value in change.items():
             name = given.replace("_", ".", 1)
             self._known(name)
             if not np.isfinite(value):
                 raise InputError(f"is {value}, not a finite number", field=given)
-            values[name] = float(value) - _stands(stands, name)
+            values[name] = float(value) - stands(self.task.cell, name)
         return self._go(np.array([values[name] for name in self._names]))
 
     def set(
@@ -161,6 +160,22 @@ class Session:
     def search(self) -> Answer:
         """Search again over all starts where things stand, and show what it finds."""
         self._pool.add(self._problem, self._found())
+        self._active = self._bounds_held()
+        self.answer = self._answered("")
+        return self._told()
+
+    def consider(self, paths: ArrayLike) -> Answer:
+        """Follow motions that are known from elsewhere too, and show the best.
+
+        Args:
+            paths: Joints (s, h, n), anywhere near a minimum where things stand.
+
+        Raises:
+            ShapeError: They have another shape.
+        """
+        h, n = self._problem.k, self._problem.n
+        given = checked_array("paths", paths, (len(np.atleast_1d(paths)), h, n))
+        self._pool.add(self._problem, given)
         self._active = self._bounds_held()
         self.answer = self._answered("")
         return self._told()
@@ -201,7 +216,14 @@ class Session:
 
     def moved_task(self) -> Task:
         """Return the task where things stand, to be planned, saved or written."""
-        return moved_task(self.task, dict(zip(self._names, self._values, strict=True)))
+        names, own = self.task.cell.joint_names, (self.task.cell.lower, self.task.cell.upper)
+        limits = {
+            name: limit
+            for name, limit, low, high in zip(names, self._limits, *own, strict=True)
+            if limit != (low, high)
+        }
+        moved = moved_task(self.task, dict(zip(self._names, self._values, strict=True)))
+        return changed_task(moved, smoothness=self.task.smoothness, limits=limits)
 
     def _state(self) -> None:
         """State the problem; afterwards only `chain.parameters` changes."""
@@ -283,37 +305,3 @@ class Session:
 
 _REPLAN = Options.warm(tolerance=1e-6, iterations=60)
 _REPLAN_AGAIN = Options(iterations=150, mu0=1e-2, push=1e-3)
-
-
-def _has(task: Task, name: str) -> bool:
-    try:
-        checked({name: (-_BOX, _BOX)}, task.cell)
-    except InputError:
-        return False
-    return True
-
-
-def _stands(base: pin.SE3, name: str) -> float:
-    """Return where a parameter stands before any change: only those of base 2 are in the world."""
-    group, _, axis = name.partition(".")
-    if group != BASE:
-        return 0.0
-    if axis == "yaw":
-        return float(pin.rpy.matrixToRpy(base.rotation)[2])
-    return float(base.translation["xyz".index(axis)])
-
-
-def _of_pose(base: pin.SE3, pose: pin.SE3) -> dict[str, float]:
-    """Return the parameters that take base 2 to a pose.
-
-    Raises:
-        InputError: It is tilted against where it stood.
-    """
-    turn = np.asarray(pose.rotation @ base.rotation.T)
-    yaw = float(np.arctan2(turn[1, 0], turn[0, 0]))
-    shift = pose.translation - base.translation
-    change = {f"{BASE}.{axis}": float(by) for axis, by in zip("xyz", shift, strict=True)}
-    change[f"{BASE}.yaw"] = yaw
-    if not moved_base(base, change).isApprox(pose, TOLERANCE.parallel):
-        raise InputError("is tilted: base 2 may turn about the vertical alone", field="base2")
-    return change

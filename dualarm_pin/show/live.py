@@ -7,32 +7,33 @@ loopback address alone, so nobody else on the network can look.
 from __future__ import annotations
 
 import signal
+import sys
 import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from http import HTTPStatus
-from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from http.server import ThreadingHTTPServer
 from types import FrameType
+from typing import Any
 
 from dualarm_pin.errors import InputError
-
-_LOOPBACK = "127.0.0.1"
+from dualarm_pin.show.handler import LOOPBACK, Page, Talk, handler
 
 
 @contextmanager
-def serving(page: bytes, port: int = 0) -> Iterator[str]:
+def serving(page: Page, port: int = 0, talk: Talk | None = None) -> Iterator[str]:
     """Serve `page` while the block runs and give its address.
 
     Args:
-        page: The whole page; it asks for nothing else.
+        page: The whole page, or what makes one each time it is opened.
         port: Port, or 0 for a free one.
+        talk: What answers the page, if it asks; see `handler.Talk`.
 
     Raises:
         InputError: The port is taken, or there is no such port.
     """
     try:
-        server = _Server((_LOOPBACK, port), _handler(page))
+        server = _Server((LOOPBACK, port), handler(page, talk))
     except (OSError, OverflowError) as error:
         raise InputError(
             f"port {port} cannot be used ({error}): choose another, or 0 for a free one",
@@ -41,7 +42,7 @@ def serving(page: bytes, port: int = 0) -> Iterator[str]:
     thread = threading.Thread(target=server.serve_forever, args=(0.1,), daemon=True)
     thread.start()
     try:
-        yield f"http://{_LOOPBACK}:{server.server_port}/"
+        yield f"http://{LOOPBACK}:{server.server_port}/"
     finally:
         server.shutdown()
         thread.join()
@@ -49,24 +50,26 @@ def serving(page: bytes, port: int = 0) -> Iterator[str]:
 
 
 def serve(
-    page: bytes,
+    page: Page,
     port: int = 0,
     open_browser: bool = True,
     *,
+    talk: Talk | None = None,
     ready: Callable[[str], None] = print,
 ) -> None:
     """Serve `page` until Ctrl-C or SIGTERM, then close the port and return.
 
     Args:
-        page: The whole page.
+        page: The whole page, or what makes one each time it is opened.
         port: Port, or 0 for a free one.
         open_browser: Open the page in the user's browser.
+        talk: What answers the page, if it asks.
         ready: Told the address once the page can be opened.
 
     Raises:
         InputError: The port is taken, or there is no such port.
     """
-    with serving(page, port) as address, _signals() as received:
+    with serving(page, port, talk) as address, _signals() as received:
         ready(address)
         if open_browser:
             import webbrowser  # looks for browsers when imported
@@ -104,28 +107,7 @@ class _Server(ThreadingHTTPServer):
     # A second program on the same port must be told so rather than share it.
     allow_reuse_port = False
 
-
-def _handler(page: bytes) -> type[BaseHTTPRequestHandler]:
-    class Handler(BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            if not self._addressed_here():
-                self.send_error(HTTPStatus.FORBIDDEN, "not served under this name")
-            elif self.path.split("?")[0] != "/":
-                self.send_error(HTTPStatus.NOT_FOUND)
-            else:
-                self.send_response(HTTPStatus.OK)
-                self.send_header("Content-Type", "text/html; charset=utf-8")
-                self.send_header("Content-Length", str(len(page)))
-                self.send_header("Cache-Control", "no-store")
-                self.end_headers()
-                self.wfile.write(page)
-
-        def _addressed_here(self) -> bool:
-            # A web site that points its own name at this address must not read the page.
-            host = self.headers.get("Host", "").rsplit(":", 1)[0]
-            return host in (_LOOPBACK, "localhost")
-
-        def log_message(self, format: str, *args: object) -> None:
-            """Stay silent: the terminal belongs to the command."""
-
-    return Handler
+    def handle_error(self, request: Any, client_address: Any) -> None:
+        """Let a page go that was closed while it was answered; report everything else."""
+        if not isinstance(sys.exception(), ConnectionError | TimeoutError):
+            super().handle_error(request, client_address)

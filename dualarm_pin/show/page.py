@@ -26,6 +26,7 @@ def render_page(
     content: str | None = None,
     scripts: Sequence[str] = (),
     styles: Sequence[str] = (),
+    live: bool = False,
 ) -> bytes:
     """Return a page that needs nothing but itself: no network, no server, no other file.
 
@@ -36,12 +37,14 @@ def render_page(
         content: The body itself instead; an element with the id `player` holds the animation.
         scripts: Further scripts in `web/`, run after the player's.
         styles: Further style sheets in `web/`.
+        live: It may ask the server that it came from.
 
     Raises:
         MissingFileError: meshcat is not installed whole.
     """
     parts = {
         "title": html.escape(title),
+        "connect": "; connect-src 'self'" if live else "",
         "style": "\n".join(_read(name) for name in ("player.css", *styles)),
         "body": _read(body) if content is None else content,
         "viewer": _viewer(),

@@ -17,8 +17,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from dualarm_pin.answer.trajectory import Trajectory
     from dualarm_pin.planners.placement import Placement
     from dualarm_pin.planners.placement_map import PlaceMap
+    from dualarm_pin.task import Task
 
 
 def save_placement(folder: str | Path, found: Placement, maps: tuple[PlaceMap, ...] = ()) -> None:
@@ -28,12 +30,6 @@ def save_placement(folder: str | Path, found: Placement, maps: tuple[PlaceMap, .
         InputError: The folder cannot be written.
     """
     folder = Path(folder)
-    if found.task.record is not None:
-        text = io.StringIO()
-        writer = YAML(typ="safe", pure=True)
-        writer.default_flow_style = None
-        writer.dump(dict(found.task.record["cell"]), text)
-        write_text(folder / "cell.yaml", text.getvalue())
     write_text(folder / "places.csv", _places(found))
     if maps:
         from dualarm_pin.show.plots.style import save
@@ -47,7 +43,22 @@ def save_placement(folder: str | Path, found: Placement, maps: tuple[PlaceMap, .
         np.savez(packed, **arrays)
         write_bytes(folder / "map.npz", packed.getvalue())
         save(figure_places(maps), folder / "map")
-    save_result(folder, found.task, found.trajectory)
+    save_with_cell(folder, found.task, found.trajectory)
+
+
+def save_with_cell(folder: str | Path, task: Task, trajectory: Trajectory) -> None:
+    """Write a result folder with `cell.yaml` beside it, if the task came from a file.
+
+    Raises:
+        InputError: The folder cannot be written.
+    """
+    if task.record is not None:
+        text = io.StringIO()
+        writer = YAML(typ="safe", pure=True)
+        writer.default_flow_style = None
+        writer.dump(dict(task.record["cell"]), text)
+        write_text(Path(folder) / "cell.yaml", text.getvalue())
+    save_result(folder, task, trajectory)
 
 
 def _places(found: Placement) -> str:

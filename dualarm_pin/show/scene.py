@@ -73,7 +73,7 @@ class Scene:
                 )
         described = {
             "label": label,
-            "cell": self._once("cells", cell, self._cell),
+            "cell": self._once("cells", cell, self.cell_of),
             "path": self._once("paths", path, self._path),
             "q": self.blob.add(q),
             "index": self.blob.add(index),
@@ -129,7 +129,8 @@ class Scene:
             "arc_length": self.blob.add(path.arc_length),
         }
 
-    def _cell(self, cell: Cell) -> dict[str, Any]:
+    def cell_of(self, cell: Cell) -> dict[str, Any]:
+        """Return the description of a cell; its meshes are stored once."""
         model = cell.model
         frames = [f for f in model.frames if f.type == pin.FrameType.BODY]
         e1, e2 = model.frames[cell.e1], model.frames[cell.e2]

@@ -1,8 +1,10 @@
 // What is drawn besides the robots: path, tip frames, ellipsoids with u, labels.
 
+const SIDES = 10; // corners of a section of the tube
+
 // A tube through the path, coloured by the index; it hangs on e1 and moves with it.
 DA.ribbon = function (points, values, range, radius) {
-  const T = MeshCat.THREE, h = points.length, sides = 10;
+  const T = MeshCat.THREE, h = points.length, sides = SIDES;
   const position = [], colour = [], faces = [];
   const side = new T.Vector3(), up = new T.Vector3(), tangent = new T.Vector3();
   for (let i = 0; i < h; i++) {
@@ -35,6 +37,16 @@ DA.ribbon = function (points, values, range, radius) {
   through.renderOrder = 4;
   tube.add(through);
   return tube;
+};
+
+// Colour a tube anew.
+DA.recolour = function (tube, values, range) {
+  const colour = tube.geometry.getAttribute("color");
+  values.forEach((value, i) => {
+    const c = DA.shade((value - range[0]) / (range[1] - range[0] || 1));
+    for (let k = 0; k < SIDES; k++) colour.setXYZ(i * SIDES + k, ...c);
+  });
+  colour.needsUpdate = true;
 };
 
 // A line through points of the world (flat x, y, z), seen through whatever is in front of it.

@@ -65,7 +65,8 @@ DA.Robot = class {
       this.frames.set(frame.name, node);
     }
     this.kinds = { visual: [], collision: [] };
-    for (const body of cell.bodies) {
+    this.bodies = new Map();
+    for (const [k, body] of cell.bodies.entries()) {
       if (look.tint && body.kind === "collision") continue;
       const mesh = DA.place(new T.Mesh(head.geometries[body.mesh], this.material(head, body, look)), body);
       mesh.castShadow = !look.tint && body.kind === "visual";
@@ -75,8 +76,33 @@ DA.Robot = class {
       mesh.userData.of = body.of;
       of(body.joint).add(mesh);
       this.kinds[body.kind].push(mesh);
+      this.bodies.set(k, mesh);
     }
     this.chain = this.signs();
+  }
+
+  // Move what stands on a base: `rides` lists it; `motion` (Matrix4) leads from where it stood.
+  // The tool of arm 2 reaches `longer` [m] further along its axis.
+  stand(rides, motion, toolAxis, longer) {
+    const T = MeshCat.THREE, turn = new T.Quaternion().setFromRotationMatrix(motion);
+    const move = (node, placed) => {
+      DA.place(node, placed);
+      node.position.applyMatrix4(motion);
+      node.quaternion.premultiply(turn);
+    };
+    const { cell } = this;
+    for (const k of rides.joints) {
+      this.joints[k].userData.rest.fromArray(cell.joints[k].r).premultiply(turn);
+      this.joints[k].userData.at.fromArray(cell.joints[k].p).applyMatrix4(motion);
+    }
+    for (const k of rides.frames) move(this.frames.get(cell.frames[k].name), cell.frames[k]);
+    for (const k of rides.bodies) if (this.bodies.has(k)) move(this.bodies.get(k), cell.bodies[k]);
+    for (const tip of ["e1", "e2"]) {
+      const node = this.frames.get(tip);
+      if (rides.tips.includes(tip)) move(node, cell[tip]);
+      else DA.place(node, cell[tip]);
+      if (tip === "e2") node.position.add(new T.Vector3(...toolAxis).multiplyScalar(longer).applyQuaternion(node.quaternion));
+    }
   }
 
   material(head, body, look) {

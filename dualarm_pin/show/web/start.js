@@ -12,6 +12,7 @@
 //   linkPose(name) {position: [x, y, z] m, quaternion: [x, y, z, w]} in the world of the cell
 //   nearest()      {names, distance [m], lacking}: the nearest bodies here, those too near
 //   index()        index at this place, interpolated
+//   design         on a page that `dualarm-pin design` serves: see design.js
 //   seconds()      time of the motion at this place [s]; null without a motion
 window.dualarm = {};
 window.dualarm.ready = (async () => {
@@ -49,5 +50,6 @@ window.dualarm.ready = (async () => {
     player,
   });
   if (head.results) DA.report(player, head);
+  if (head.design) window.dualarm.design = new DA.Design(player, head);
   document.documentElement.dataset.ready = "yes";
 })();

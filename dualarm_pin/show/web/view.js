@@ -27,12 +27,10 @@ DA.View = class {
       force: [DA.ellipsoid("#E69F00")],
       velocity: [DA.ellipsoid("#0072B2")],
       direction: [DA.arrow(reach * 0.17, "#c2185b")],
-      ghosts: [0, this.h - 1].map((i) => {
-        const ghost = new DA.Robot(head, this.cell, { tint: i ? "#D55E00" : "#0072B2", opacity: 0.16 });
-        ghost.pose(DA.between(this.q, this.cell.columns.length, i));
-        return ghost.root;
-      }),
     };
+    this.ends = [0, this.h - 1].map((i) => ({ at: i, robot: new DA.Robot(head, this.cell, { tint: i ? "#D55E00" : "#0072B2", opacity: 0.16 }) }));
+    this.marks.ghosts = this.ends.map(({ robot }) => robot.root);
+    this.poseEnds();
     this.marks.traces = (run.tips || []).map((tip, k) => DA.trace(head.array(tip), k ? "#D55E00" : "#0072B2"));
     const { path, frames, force, velocity, direction, ghosts, traces } = this.marks;
     this.e1().add(path[0], frames[0], force[0], velocity[0], direction[0]);
@@ -40,6 +38,10 @@ DA.View = class {
     this.group.add(...ghosts, ...traces);
     this.nearest = run.near ? new DA.Nearest(head, run, this.robot, reach) : null;
     if (this.nearest) this.group.add(this.nearest.group);
+  }
+
+  poseEnds() {
+    for (const { at, robot } of this.ends) robot.pose(DA.between(this.q, this.cell.columns.length, at));
   }
 
   e1() {

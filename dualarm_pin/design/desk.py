@@ -1,0 +1,195 @@
+"""One page's session: it follows what is moved, and searches behind it.
+
+A search works on a copy of where things stood, in a thread of its own; the engine leaves Python's
+lock free. So following goes on meanwhile.
+"""
+
+from __future__ import annotations
+
+import threading
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.arrays import Array
+from dualarm_pin.design.messages import State
+from dualarm_pin.design.session import Answer, Session
+from dualarm_pin.design.slopes import slopes_of
+from dualarm_pin.design.standing import stands
+from dualarm_pin.errors import InputError
+from dualarm_pin.planners.whole_path import plan_global
+from dualarm_pin.show.placement import save_with_cell
+from dualarm_pin.task.changed import changed_task
+
+if TYPE_CHECKING:
+    from dualarm_pin.task import Task
+
+_KEPT = 500  # motions found, that undo and variants begin from
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What a full search came to.
+
+    Attributes:
+        number: Number of the motion in this session, from 0; -1 where none was found.
+        state: Where things stood.
+        task: The task there.
+        trajectory: Its answer, checked.
+        slopes: Change of the objective per m and rad of base 2; None where they are not known.
+    """
+
+    number: int
+    state: State
+    task: Task
+    trajectory: Trajectory
+    slopes: dict[str, float] | None
+
+
+class Desk:
+    """A session, what its last search found, and the thread that searches.
+
+    Args:
+        task: The task; its cell is where the session starts.
+        seed: Seed of the searches.
+        jobs: Threads of a search.
+
+    Attributes:
+        session: The session; only under `lock`.
+        state: Where things stand.
+        found: What the last search found, anywhere; None before it ends.
+        lock: Held while the session is used.
+
+    Raises:
+        InputError: No start reaches the whole path where the cell stands.
+    """
+
+    def __init__(self, task: Task, *, seed: int = 0, jobs: int | None = None) -> None:
+        self.session = Session(task, seed=seed, jobs=jobs)
+        self.state = State(smoothness=task.smoothness)
+        self.found: Found | None = None
+        self.lock = threading.RLock()
+        self._given, self._seed, self._jobs = task, seed, jobs
+        self._asked = (task.smoothness, dict[str, tuple[float, float]]())
+        self._last = self.session.answer.q
+        self._motions: dict[int, Array] = {}
+        self._number = 0
+        self._wanted, self._thread = False, None
+
+    _thread: threading.Thread | None
+
+    @property
+    def answer(self) -> Answer:
+        """The best motion known where things stand."""
+        return self.session.answer
+
+    @property
+    def searching(self) -> bool:
+        """Whether a search runs, or will."""
+        return self._thread is not None
+
+    @property
+    def here(self) -> Found | None:
+        """What was found where things stand now, if the search has been here."""
+        return self.found if self.found is not None and self.found.state == self.state else None
+
+    def move(self, state: State, *, search: bool = False, motion: int | None = None) -> None:
+        """Follow to another state.
+
+        Args:
+            state: Where everything stands.
+            search: Whether the full search runs there; it also runs where the session asks.
+            motion: Number of a motion that was found before and may be good here.
+
+        Raises:
+            InputError: The cell has no such parameter or joint, or a value is no value for it.
+        """
+        with self.lock:
+            self._go(state)
+            if motion in self._motions:
+                self.session.consider(self._motions[motion][None])
+            if not self.answer.valid:
+                # What was followed has ended; where it was last valid is worth another try.
+                self.session.consider(self._last[None])
+            if self.answer.valid:
+                self._last = self.answer.q
+            if search or self.answer.search_due:
+                self._search()
+
+    def task_here(self) -> Task:
+        """Return the task where things stand."""
+        return changed_task(self.session.moved_task(), clearance=self.state.clearance)
+
+    def save(self, folder: Path) -> None:
+        """Write cell, task and result; only what a search has found here can be saved.
+
+        Raises:
+            InputError: Nothing is found here yet, or the folder cannot be written.
+        """
+        with self.lock:
+            found = self.here
+        if found is None or not found.trajectory.found:
+            raise InputError("nothing is found here yet: wait for the search", field="save")
+        save_with_cell(folder, found.task, found.trajectory)
+
+    def wait(self, seconds: float) -> None:
+        """Wait until no search runs, at most so long."""
+        thread = self._thread
+        if thread is not None:
+            thread.join(seconds)
+
+    def _go(self, state: State) -> None:
+        before = self.session.task.cell
+        limits = dict(zip(before.joint_names, zip(before.lower, before.upper, strict=True)))
+        for joint in state.limits:
+            if joint not in limits:
+                self.session.set(limits=dict(state.limits))  # which says what is wrong
+        asked = (state.smoothness, dict(state.limits))
+        if asked != self._asked:
+            self.session.set(smoothness=state.smoothness, limits=limits | state.limits)
+            self._asked = asked
+        if state.change != self.state.change:
+            change = {name: state.change.get(name, 0.0) for name in self.answer.change}
+            unknown = {n: v for n, v in state.change.items() if n not in change}
+            places = {n: stands(before, n) + v for n, v in {**change, **unknown}.items()}
+            self.session.move(**{n.replace(".", "_", 1): v for n, v in places.items()})
+        self.state = state
+
+    def _search(self) -> None:
+        self._wanted = True
+        if self._thread is None:
+            self._thread = threading.Thread(target=self._searches, daemon=True)
+            self._thread.start()
+
+    def _searches(self) -> None:
+        try:
+            while True:
+                with self.lock:
+                    if not self._wanted:
+                        self._thread = None
+                        return
+                    self._wanted = False
+                    state, task = self.state, self.task_here()
+                found = plan_global(task, effort="quick", seed=self._seed, jobs=self._jobs)
+                slopes = slopes_of(task, found) if found.found else None
+                with self.lock:
+                    self._keep(state, task, found, slopes)
+        except BaseException:
+            self._thread = None  # the next change may search again
+            raise
+
+    def _keep(
+        self, state: State, task: Task, found: Trajectory, slopes: dict[str, float] | None
+    ) -> None:
+        number = -1
+        if found.found:
+            number, self._number = self._number, self._number + 1
+            self._motions[number] = np.array(found.q)
+            self._motions.pop(number - _KEPT, None)
+            self.session.consider(found.q[None])
+            if self.answer.valid:
+                self._last = self.answer.q
+        self.found = Found(number, state, task, found, slopes)
