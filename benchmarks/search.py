@@ -2,9 +2,10 @@
 
     python benchmarks/search.py --effort quick --seeds 5 --tasks b03,b04
 
-Prints one row a task: how many seeds end within 1e-4 of the best known value, how far the worst
-ends above it, and the median of the processor time. Fails if a seed finds better than
-`best_known.json`: then the table is to be raised, with `--raise`.
+Prints one row a task: how many seeds end within 1e-4 of the best known value, how far each ends
+above it, and the median of the processor time. Fails if a seed finds better than `best_known.json`
+(then the table is to be raised, with `--raise`), and if a seed of `normal` or `thorough` ends above
+it on more than one task.
 """
 
 from __future__ import annotations
@@ -25,11 +26,12 @@ from dualarm_pin.solvers.interior_point import ensure_compiled
 
 TABLE = Path(__file__).with_name("best_known.json")
 NEAR = 1e-4
+MISSED = 1  # tasks that `normal` may miss
 TASKS = ["paper_corner", "circle", *(f"b{number:02d}" for number in range(1, 13))]
 
 
 def main() -> int:
-    """Run the table; return 1 if it has to be raised."""
+    """Run the table; return 1 if it has to be raised, or if an effort falls behind it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--effort", default="quick")
     parser.add_argument("--seeds", type=int, default=5)
@@ -40,7 +42,7 @@ def main() -> int:
     given = parser.parse_args()
     known = json.loads(TABLE.read_text(encoding="utf-8"))
     ensure_compiled(print)
-    better = False
+    better, missed = False, []
     print("| task | best known | within 1e-4 | above it by seed [%] | processor [s] | verdicts |")
     print("|---|---|---|---|---|---|")
     for name in given.tasks.split(","):
@@ -57,6 +59,8 @@ def main() -> int:
                 better = True
                 known[name] = entry(answer, f"{given.effort}, seed {seed}")
         above = np.sort(100.0 * (np.array(values) / best - 1.0))
+        if np.any(above >= 100.0 * NEAR):
+            missed.append(name)
         print(
             f"| {name} | {best:.6f} | {np.sum(above < 100.0 * NEAR)} of {len(above)} | "
             f"{' '.join(f'{value:.2f}' for value in above)} | {np.median(seconds):.2f} | "
@@ -65,7 +69,12 @@ def main() -> int:
         )
     if better and given.raised:
         TABLE.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
-    return int(better)
+    behind = given.effort != "quick" and len(missed) > MISSED
+    if better:
+        print("better than the table was found" + ("" if given.raised else ": use --raise"))
+    if behind:
+        print(f"{given.effort} falls behind the table on {', '.join(missed)}")
+    return int(better or behind)
 
 
 def entry(answer: dp.Trajectory, how: str) -> dict[str, object]:

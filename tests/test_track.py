@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from paper_case import TASK
 
+from dualarm_pin.engine.solve import Options
 from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import violation
@@ -15,6 +16,7 @@ from dualarm_pin.search.hops import Hops
 from dualarm_pin.search.independent import IndependentSearch
 from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.splice import splices
+from dualarm_pin.search.sweep import Sweeps
 from dualarm_pin.search.track import Round, TrackLaw
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
@@ -166,3 +168,26 @@ def test_a_pool_keeps_the_best_of_one_valley_in_order() -> None:
         pool.offer(q + shift, value)
     assert pool.objectives == [0.9995, 2.0, 3.0]
     assert pool.merged([pool]).objectives == pool.objectives
+
+
+def test_sweeps_bring_a_long_path_down_window_by_window(monkeypatch: pytest.MonkeyPatch) -> None:
+    split = "path.corner.points=[60, 61, 60]"
+    problem = Task.load(TASK, [split, "two_stage={}"]).problem()
+    law = TrackLaw(problem, seed=0, jobs=1)
+    law.round(Round(40, 8, 8, 4, 1))
+    best, path = law.pool.best, law.pool.paths[0]
+    rough = path + 0.02 * np.random.default_rng(0).standard_normal(path.shape)
+    assert violation(problem, rough) > 1e-3
+    work = Work(problem)
+    sweeps = Sweeps(problem, work, jobs=1)
+    end = sweeps.settled(rough[None], Options(mu0=1e-3, push=1e-3))
+    assert end.converged[0]
+    assert end.objective[0] == pytest.approx(best, rel=1e-5)
+    assert work.spent > 0.0
+    # Where the whole solve comes to nothing, the windows alone leave a path that is low.
+    monkeypatch.setattr(sweeps, "_most", 0)
+    end = sweeps.settled(rough[None], Options(mu0=1e-3, push=1e-3))
+    assert not end.converged[0]
+    assert violation(problem, end.q[0]) < 1e-6
+    assert end.objective[0] == pytest.approx(best, rel=1e-2)
+    assert end.objective[0] == pytest.approx(problem.objective(end.q[0]), rel=1e-9)

@@ -133,6 +133,10 @@ def _returns(
     """
     share = -1.0
     level = TOLERANCE.same_objective * max(1.0, abs(best))
+    # Few starts mean a long path: there one that is not back soon is not waited for.
+    options = replace(near(TOLERANCE.search, 0.1), push=1e-2)
+    if count == _LEAST_RETURNS:
+        options = replace(options, iterations=2 * _ITERATIONS)
     for number, shift in enumerate(SHIFTS):
         direction = generator(seed, 30, number).standard_normal((count, *q.shape))
         direction /= np.linalg.norm(direction, axis=2, keepdims=True)
@@ -140,7 +144,7 @@ def _returns(
         room = np.minimum(1.0, (problem.upper - problem.lower) / 2.0)
         starts = np.clip(q + shift * direction * room, problem.lower, problem.upper)
         ends = engine.solve_many(
-            problem, starts, jobs=jobs, limit=best + _FAR * max(1.0, abs(best))
+            problem, starts, jobs=jobs, options=options, limit=best + _FAR * max(1.0, abs(best))
         )
         value = np.where(ends.converged, ends.objective, np.inf)
         lowest = int(np.argmin(value))

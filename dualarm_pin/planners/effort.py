@@ -64,11 +64,12 @@ BUDGETS: dict[str, Budget] = {
 _PARTS = 100  # of the work, as progress counts it
 _LEAST = 0.15  # share of its work that a search does before its agreement with others counts
 _STEP = 50  # starts of each further law between two looks
+_LONGEST = 150  # iterations of a start: so many are expected until the first were made
 _UNSEEN = 0.5  # with more singletons among the minima of single points, most were never seen
 _LOST = 3  # rounds that came to no path, after which walks are given up
 # Of the anchored law: postures, minima screened, paths refined; rounds where no search walks.
 _SCOUT, _SCOUTS = (250, 12, 3), 4
-_FIRST, _SMALL = Round(80, 8, 10, 4, 3), (150, 8, 2)  # enough where single points have few minima
+_FIRST, _SMALL = Round(80, 8, 10, 4, 3), (80, 8, 2)  # enough where single points have few minima
 
 
 class Search:
@@ -227,16 +228,19 @@ class Search:
 
     def _further_starts(self) -> None:
         """Make starts of the further laws until they have said enough or cost too much."""
-        target, seconds = 0, Work(self.problem).seconds(self.problem.k)
+        target, spent, seconds = 0, 0.0, Work(self.problem).seconds(self.problem.k)
+        each = (1 + len(self.further[0].anchors)) * _LONGEST * seconds
         while target < self._starts and self._goes_on():
-            target = min(target + _STEP, self._starts)
+            step = min(_STEP, self._starts - target, int((self.budget.starts_work - spent) / each))
+            if step < 1:
+                return
+            target += step
             for law in self.further:
                 law.grow(target)
-            spent = sum(_iterations(law) for law in self.further) * seconds
+            spent = seconds * sum(_iterations(law) for law in self.further)
+            each = max(spent / target, seconds)
             best = self.best()
-            if spent > self.budget.starts_work or best is None:
-                return
-            if laws_suffice(count_laws(self.laws, best)):
+            if best is None or laws_suffice(count_laws(self.laws, best)):
                 return
 
     def _goes_on(self) -> bool:
