@@ -9,8 +9,9 @@ import numpy as np
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.work import Work
 
-# Seconds, measured: to place the bodies of a posture, of each pair, of a row in a Newton step.
-_POSTURE, _PAIR, _ROW = 4e-5, 8e-6, 5e-7
+# Seconds, measured: to place the bodies of a posture, of each pair as hulls and as meshes, of a row
+# in a Newton step.
+_POSTURE, _PAIR, _MESHES, _ROW = 4e-5, 1.1e-5, 5e-4, 5e-7
 _PATIENCE = 4.0  # times the budget, while there is no path at all
 
 
@@ -46,6 +47,14 @@ class Meter:
             OverError: Enough is spent.
         """
         self._add(_POSTURE * postures + _PAIR * pairs)
+
+    def meshes(self) -> None:
+        """Count a pair that was measured as meshes.
+
+        Raises:
+            OverError: Enough is spent.
+        """
+        self._add(_MESHES)
 
     def _add(self, seconds: float) -> None:
         self.spent += seconds

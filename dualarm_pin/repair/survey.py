@@ -16,11 +16,13 @@ from dualarm_pin.chain import Integers
 from dualarm_pin.engine.solve import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
+from dualarm_pin.repair.known import Known
 from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
 from dualarm_pin.tolerance import TOLERANCE
 
+_CLEAR = 0.01  # m: meshes that keep so much more have no rows until they come nearer
 _SURE = 1e-6  # m: nearer points say nothing of a direction
 
 
@@ -84,6 +86,7 @@ class Survey:
         self.meter = Meter(problem) if meter is None else meter
         self.joints = joints_on_chain(problem)
         cell = problem.cell
+        self._known = [Known(points) for points, _ in pairs.hulls]
         self._model, self._data = cell.model, cell.model.createData()
         self._geometry = cell.collision
         self._scene = self._geometry.createData()
@@ -116,6 +119,7 @@ class Survey:
             extra: As of `contacts`.
         """
         model, data, scene = self._model, self._data, self._scene
+        joint = self.pairs.joint.tolist()
         found: list[tuple[int, int, float, bool, Array, Array, Array]] = []
         placed = np.zeros((len(q), model.njoints, 4, 4))
         self.meter.measured(int(which.any(axis=1).sum()), int(which.sum()))
@@ -131,13 +135,21 @@ class Survey:
                     continue
                 exact = False
                 if result.min_distance < required:
-                    if not meshes:
-                        pin.updateGeometryPlacements(model, data, self._meshes, self._exact)
-                        meshes = True
-                    nearer = pin.computeDistance(self._meshes, self._exact, number)
-                    # Meshes that meet have no depth: then the hulls say it.
-                    exact = nearer.min_distance > max(_SURE, result.min_distance + _SURE)
-                    result = nearer if exact else result
+                    first, second = joint[pair]
+                    pose = data.oMi[first].actInv(data.oMi[second]).homogeneous
+                    least, met = self._known[pair].least(pose)
+                    if least > required + min(reach, _CLEAR):
+                        continue
+                    if not met:
+                        if not meshes:
+                            pin.updateGeometryPlacements(model, data, self._meshes, self._exact)
+                            meshes = True
+                        nearer = pin.computeDistance(self._meshes, self._exact, number)
+                        self._known[pair].add(pose, nearer.min_distance)
+                        self.meter.meshes()
+                        # Meshes that meet have no depth: then the hulls say it.
+                        exact = nearer.min_distance > max(_SURE, result.min_distance + _SURE)
+                        result = nearer if exact else result
                 ends = result.getNearestPoint1(), result.getNearestPoint2()
                 found.append((int(i), pair, result.min_distance, exact, *ends, result.normal))
         return self._record(found, placed, extra)
