@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -21,6 +21,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
 from dualarm_pin.repair.basin import Basin, Repaired
 from dualarm_pin.repair.bodies import asked_pairs
+from dualarm_pin.repair.meter import Meter
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.rows import Row, half_space
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
     from dualarm_pin.task import Task
 
+_CHECKED = 3  # paths, the best first, of which the first is taken that the check confirms
 _NEAR, _HELD = 0.05, 1e-3  # m: with more room, before and after, a row has no part in the path
 
 
@@ -45,6 +47,7 @@ def plan_apart(
     clock: Clock,
     compile_s: float,
     interrupted: bool,
+    deadline: float,
     progress: Progress,
 ) -> Trajectory | None:
     """Return the best path that keeps its bodies apart, or None where the best path does.
@@ -63,6 +66,7 @@ def plan_apart(
         clock: Started with the search.
         compile_s: Seconds that compiling took.
         interrupted: The search was cut short.
+        deadline: Monotonic time at which the work is cut [s].
         progress: Told where the work stands.
     """
     assert task.clearance is not None
@@ -72,21 +76,22 @@ def plan_apart(
     if basin.keeps(best):
         return None
     progress.stage("paths that keep the bodies apart")
+    survey.meter = Meter(problem, EFFORTS[effort].work, deadline)
     apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs)
-    q, evidence = best, Evidence()
-    if apart.best is not None:
-        q = _polished(basin, apart.best)
-        evidence = _evidence(held_problem(task, survey, apart.best), q, apart)
-    answer = verified(
-        task,
-        q,
-        method="global",
-        solver=solver,
-        timing=clock.read(compile_s),
-        seed=seed,
-        evidence=evidence,
-        notes=GlobalNotes(effort=effort, interrupted=interrupted or not apart.complete),
-    )
+    provenance: dict[str, Any] = {
+        "method": "global",
+        "solver": solver,
+        "seed": seed,
+        "notes": GlobalNotes(effort=effort, interrupted=interrupted or apart.cut),
+    }
+    answer = None
+    for path in apart.found[:_CHECKED]:  # the check looks closer than the repair
+        q = _polished(basin, path)
+        evidence = _evidence(held_problem(task, survey, path), q, apart, apart.hits(path))
+        answer = verified(task, q, timing=clock.read(compile_s), evidence=evidence, **provenance)
+        if answer.found:
+            return answer
+    answer = answer or verified(task, best, timing=clock.read(compile_s), **provenance)
     if apart.best is None:
         tried = f"none of {apart.tried} paths that were tried keeps the clearance that is asked for"
         near = answer.message.removeprefix("not verified: ")
@@ -100,13 +105,13 @@ def _polished(basin: Basin, path: Repaired) -> Array:
     return q if basin.keeps(q) else path.q
 
 
-def _evidence(problem: Problem, q: Array, apart: Apart) -> Evidence:
+def _evidence(problem: Problem, q: Array, apart: Apart, hits: int) -> Evidence:
     """Return what is known of the best path: its neighbourhood, and how it was found."""
     evidence = conclude(Findings(local=check_held(problem, q)))
     _, *rest = evidence.sentences.split("\n")
     first = (
         f"With clearance: {apart.tried} paths were moved apart or tried to be, {len(apart.found)} "
-        f"came apart, {apart.hits} of them as this one, the best; others may be better. The local "
+        f"came apart, {hits} of them as this one; others may be better. The local "
         "check holds the bodies by planes between them."
     )
     return replace(evidence, sentences="\n".join([first, *rest]))

@@ -102,6 +102,7 @@ def plan_global(
             clock=clock,
             compile_s=compile_s,
             interrupted=interrupted,
+            deadline=deadline,
             progress=progress,
         )
         if apart is not None:

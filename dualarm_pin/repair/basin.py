@@ -15,18 +15,23 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.survey import Contacts, Survey
-from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
+from dualarm_pin.repair.witness import REACH, asked_apart, cuts, on_planes, witness_table
 from dualarm_pin.solution import Solution
+from dualarm_pin.tolerance import TOLERANCE
 
 INNER = 3  # postures looked at between two points
 _ROUNDS, _MORE_ROUNDS = 16, 6  # of witness rows; of postures between the points
 _PATIENCE, _PROGRESS = 5, 0.8  # rounds in which the worst lack must shrink to this share
-_SLIP, _HALVINGS = 0.02, 4  # m: rows are made anew before bodies are deeper in each other
+_CUTS = 4  # solves with the same planes, each with the corners that the last brought through them
+_SLIP, _HALVINGS = 0.02, 2  # m: rows are made anew before bodies are deeper in each other
+_STILL = 5e-3  # rad or m: less movement is no reason for another round
+_ITERATIONS = 60  # of a solve
 _SMALL = 5e-3  # m: a lack that a few rounds may still take away
 _SETTLED = 2e-3  # of the objective: less change is no reason for another round
 _MU = 1e-3  # a start is nearly the answer
 _LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
 _LED_MU = 1e-2  # capsules move it far
+_SLACK = 1e-4  # m: what lacks less leaves room for what is between the postures looked at
 _DIP = 1.1  # times what lacks between two points is asked of both
 
 
@@ -66,62 +71,81 @@ class Basin:
             return False
         return not self.between or bool(self.survey.contacts(inner_postures(q), 0.0).kept.all())
 
-    def repaired(self, q: Array, reduction: float | None = None) -> Repaired | None:
+    def repaired(
+        self, q: Array, reduction: float | None = None, limit: float = np.inf
+    ) -> Repaired | None:
         """Return where a path (k, n) leads, or None where its bodies do not come apart.
 
         Args:
             q: A path, nearly a minimum of the problem without rows of pairs.
             reduction: Of the capsules that lead [m]; None for witness rows alone.
+            limit: Objective above which nothing is looked for.
         """
         if reduction is not None:
             q = self._led(q, reduction)
         extra = np.zeros((len(self.survey.pairs.number), len(q)))
-        found = self._apart(q, extra)
+        found = self._apart(q, extra, limit)
         for _ in range(_MORE_ROUNDS if self.between else 0):
             if found is None or not self._add_dips(found.q, extra):
                 return found
-            found = self._apart(found.q, extra)
+            found = self._apart(found.q, extra, limit)
         return None if self.between else found
 
-    def _apart(self, q: Array, extra: Array) -> Repaired | None:
+    def _apart(self, q: Array, extra: Array, limit: float) -> Repaired | None:
         """Return the end of rounds of witness rows, `extra` (p, k) asked beyond what is [m]."""
-        survey = self.survey
         best: Repaired | None = None
         lacks: list[float] = []
-        contacts = survey.contacts(q, REACH, extra)
+        contacts = self.survey.contacts(q, REACH, extra)
+        corners = contacts.take(np.zeros(0, dtype=np.int64))
         for _ in range(_ROUNDS):
             lacks.append(contacts.worst)
             if best is None and _hopeless(lacks):
                 break
-            apart = asked_apart(contacts)
-            problem = survey.problem.with_pairs(witness_table(survey, contacts, apart, len(q)))
-            end = self._solved(problem, q, _MU)
-            held = contacts
-            q, contacts, whole = self._stepped(q, end.q, contacts, extra)
-            if whole and end.feasible and contacts.kept.all():
-                settled = best is not None and end.objective > (1.0 - _SETTLED) * best.objective
-                if best is None or end.objective < best.objective:
-                    best = Repaired(q, end.objective, problem, held, apart)
-                if settled:
+            path, found, corners = self._round(q, contacts, corners, extra, limit)
+            if path is None:
+                break
+            moved = float(np.abs(path.q - q).max())
+            q, contacts = path.q, found
+            if contacts.kept.all() and np.isfinite(path.objective):
+                settled = best is not None and path.objective > (1.0 - _SETTLED) * best.objective
+                if best is None or path.objective < best.objective:
+                    best = path
+                if settled or moved < _STILL:
                     break
         return best
 
-    def _stepped(
-        self, q: Array, end: Array, contacts: Contacts, extra: Array
-    ) -> tuple[Array, Contacts, bool]:
-        """Go from q to the end of a solve, or less far where rows made for q let bodies collide.
+    def _round(
+        self, q: Array, contacts: Contacts, corners: Contacts, extra: Array, limit: float
+    ) -> tuple[Repaired | None, Contacts, Contacts]:
+        """Solve from q with planes made for q, until they hold all that the solve brings near.
 
         Returns:
-            Where, the contacts there, and whether it is the end.
+            Where it ends, or less far where bodies then collide more than before (with an infinite
+            objective), the contacts there, and the corners that had to be held beside the nearest
+            points; no path where none below the limit can come of it.
         """
-        most = max(contacts.worst, _SLIP)
-        found = self.survey.contacts(end, REACH, extra)
-        for halving in range(_HALVINGS):
+        survey, start, many = self.survey, q, len(self.survey.pairs.number)
+        held = contacts.joined(on_planes(corners, contacts, many))
+        most = max(contacts.worst, TOLERANCE.clearance)
+        for _ in range(_CUTS):
+            apart = asked_apart(held)
+            problem = survey.problem.with_pairs(witness_table(survey, held, apart, len(q)))
+            end = self._solved(problem, start, _MU)
+            if end.feasible and end.objective > limit:
+                return None, contacts, corners
+            found = survey.contacts(end.q, REACH, extra)
             if found.worst <= most:
-                return end, found, halving == 0
-            end = (q + end) / 2.0
-            found = self.survey.contacts(end, REACH, extra)
-        return end, found, False
+                value = end.objective if end.feasible else np.inf
+                return Repaired(end.q, value, problem, held, apart), found, corners
+            feet, others = cuts(survey, held, end.q, found.take(found.lack > 0.0))
+            corners, held, start = corners.joined(feet), held.joined(feet).joined(others), end.q
+        path = end.q
+        for _ in range(_HALVINGS):
+            path = (q + path) / 2.0
+            found = survey.contacts(path, REACH, extra)
+            if found.worst <= max(most, _SLIP):
+                break
+        return Repaired(path, np.inf, problem, held, apart), found, corners
 
     def _led(self, q: Array, reduction: float) -> Array:
         """Return where capsules with reduced radii lead a path; rows are added as they are met."""
@@ -139,12 +163,15 @@ class Basin:
         return q
 
     def _solved(self, problem: Problem, q: Array, mu0: float) -> Solution:
-        return solve(problem, q, Options(mu0=mu0, push=mu0))
+        end = solve(problem, q, Options(TOLERANCE.search, _ITERATIONS, mu0, mu0))
+        rows = int(problem.inequalities.size.sum())
+        self.survey.meter.solved(end.iterations, problem.k, rows)
+        return end
 
     def _add_dips(self, q: Array, extra: Array) -> bool:
         """Add what lacks between the points to both ends (p, k); tell whether anything does."""
         contacts = self.survey.contacts(inner_postures(q), 0.0)
-        lacking = contacts.take(~contacts.kept)
+        lacking = contacts.take(contacts.lack > _SLACK)
         dips = np.zeros((len(extra), len(q) - 1))
         np.maximum.at(dips, (lacking.pair, lacking.point // INNER), _DIP * lacking.lack)
         extra[:, :-1] += dips

@@ -12,7 +12,7 @@ from dualarm_pin.cell.parts import Pair
 from dualarm_pin.chain import Integers, body_of, segments
 from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
-from dualarm_pin.repair.covers import cover
+from dualarm_pin.repair.covers import cover, hull_of
 from dualarm_pin.rows.table import CAPSULES, RowTable, pair_table
 from dualarm_pin.solution import Flags
 
@@ -47,6 +47,7 @@ class Pairs(NamedTuple):
         ends: (p, 2, 2, 3) segments of the capsules around them, in the frames of these joints [m].
         radius: (p, 2) of the capsules [m].
         tight: (p,) whether the capsules say something about the bodies.
+        hulls: Points and a radius whose hull holds the second body, in the frame of its joint [m].
     """
 
     number: Integers
@@ -56,6 +57,7 @@ class Pairs(NamedTuple):
     ends: Array
     radius: Array
     tight: Array
+    hulls: tuple[tuple[Array, float], ...]
 
 
 def asked_pairs(cell: Cell, required: Array) -> Pairs:
@@ -67,6 +69,7 @@ def asked_pairs(cell: Cell, required: Array) -> Pairs:
     """
     geometry, names = cell.collision, cell.pairs
     covers = [cover(thing) for thing in geometry.geometryObjects]
+    hulls = [hull_of(thing) for thing in geometry.geometryObjects]
     joints = [int(thing.parentJoint) for thing in geometry.geometryObjects]
     chosen = np.flatnonzero(required > -np.inf)
     bodies = [(pair.first, pair.second) for pair in geometry.collisionPairs]
@@ -79,6 +82,7 @@ def asked_pairs(cell: Cell, required: Array) -> Pairs:
         ends=np.array([[covers[b].ends for b in pair] for pair in both]).reshape(-1, 2, 2, 3),
         radius=np.array([[covers[b].radius for b in pair] for pair in both]).reshape(-1, 2),
         tight=np.array([all(covers[b].tight for b in pair) for pair in both], dtype=bool),
+        hulls=tuple(hulls[second] for _, second in both),
     )
 
 

@@ -45,6 +45,15 @@ def cover(thing: pin.GeometryObject) -> Cover:
     return Cover(ends, found.radius, _volume(found) < _TIGHT * volume)
 
 
+def hull_of(thing: pin.GeometryObject) -> tuple[Array, float]:
+    """Return points (m, 3) in the frame of a body's joint and a radius: their hull holds it [m]."""
+    shape, place = thing.geometry, thing.placement
+    if isinstance(shape, coal.Sphere | coal.Capsule):
+        found = cover(thing)
+        return found.ends, found.radius
+    return _corners(shape) @ place.rotation.T + place.translation, 0.0
+
+
 def capsule_around(corners: Array) -> Cover:
     """Return a small capsule around points (m, 3): the least volume along three directions."""
     middle = corners.mean(axis=0)

@@ -5,12 +5,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from dualarm_pin.arrays import Array
 from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.walks import walked
 from dualarm_pin.solution import same_path
 
 _ALIKE = 1e-3  # of the objective: minima nearer than this are twins, of which one is enough
+_HOPE = 1.02  # times the best: rounds of planes may still take so much off an objective
 _REDUCTIONS: tuple[float | None, ...] = (None, 0.06, 0.03, 0.1, 0.0)
 
 
@@ -19,6 +23,7 @@ class Effort:
     """How far to look.
 
     Attributes:
+        work: Seconds of a usual processor, as `Meter` counts them.
         postures: Postures drawn at each anchor.
         walks: Minima of each anchor that are walked from.
         refined: Walks that are refined, best first.
@@ -27,6 +32,7 @@ class Effort:
         rounds: Times that walks are drawn anew.
     """
 
+    work: float = 2.2
     postures: int = 100
     walks: int = 4
     refined: int = 5
@@ -37,8 +43,8 @@ class Effort:
 
 EFFORTS = {
     "quick": Effort(),
-    "normal": Effort(150, 10, 15, 16, 3, 1),
-    "thorough": Effort(200, 16, 24, 16, 5, 3),
+    "normal": Effort(18.0, 150, 10, 15, 16, 3, 1),
+    "thorough": Effort(75.0, 200, 16, 24, 16, 5, 3),
 }
 
 
@@ -49,22 +55,23 @@ class Apart:
     Attributes:
         tried: Paths that were to be moved apart.
         found: Those that came apart, best first.
-        complete: Nothing cut it short.
+        complete: The budget did not end it.
+        cut: Ctrl-C or the time limit did.
     """
 
     tried: int = 0
     found: list[Repaired] = field(default_factory=list)
     complete: bool = True
+    cut: bool = False
 
     @property
     def best(self) -> Repaired | None:
         """The lowest path that came apart."""
         return self.found[0] if self.found else None
 
-    @property
-    def hits(self) -> int:
-        """How many of the tried paths ended in the best one."""
-        return sum(same_path(each.q, self.found[0].q) for each in self.found)
+    def hits(self, path: Repaired) -> int:
+        """Return how many of the tried paths ended in one of them."""
+        return sum(same_path(each.q, path.q) for each in self.found)
 
     def take(self, path: Repaired | None) -> None:
         """Count a path that was tried."""
@@ -95,7 +102,13 @@ def keep_apart(
         What was found; after Ctrl-C what there was so far.
     """
     result, survey = Apart(), basin.survey
-    differing = _differing(minima)
+    differing = _differing(minima)[: effort.basins]
+
+    def take(path: Array, way: float | None = None) -> None:
+        limit = np.inf if result.best is None else result.best.objective
+        result.take(basin.repaired(path, way, _HOPE * limit))
+        survey.meter.found = result.best is not None
+
     try:
         for number in range(effort.rounds):
             walks = walked(
@@ -106,14 +119,17 @@ def keep_apart(
                 jobs=jobs,
             )
             for path in walks[: effort.refined]:
-                result.take(basin.repaired(path))
-        for objective, path in differing[: effort.basins]:
+                take(path)
+        for objective, path in differing:
             if result.best is not None and objective >= result.best.objective:
                 break
             for way in _REDUCTIONS[: effort.ways]:
-                result.take(basin.repaired(path, way))
+                take(path, way)
+    except OverError:
+        result.complete, result.cut = False, survey.meter.cut
     except KeyboardInterrupt:
-        result.complete = False
+        result.complete, result.cut = False, True
+    survey.meter = Meter(survey.problem)  # what follows is the check of the answer
     return result
 
 

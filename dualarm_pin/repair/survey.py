@@ -16,10 +16,13 @@ from dualarm_pin.chain import Integers
 from dualarm_pin.engine.solve import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
+from dualarm_pin.repair.known import Known
+from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
 from dualarm_pin.tolerance import TOLERANCE
 
+_CLEAR = 0.01  # m: meshes that keep so much more have no rows until they come nearer
 _SURE = 1e-6  # m: nearer points say nothing of a direction
 
 
@@ -34,6 +37,7 @@ class Contacts(NamedTuple):
         first: (c, 3) nearest point of the first body, in the frame of its joint [m].
         second: (c, 3) nearest point of the second body, in the frame of its joint [m].
         normal: (c, 3) unit vector from the first to the second body, in the frame of the first.
+        exact: (c,) the nearest points of meshes, whose hulls are nearer.
     """
 
     point: Integers
@@ -43,10 +47,17 @@ class Contacts(NamedTuple):
     first: Array
     second: Array
     normal: Array
+    exact: Flags
 
-    def take(self, which: Flags) -> Contacts:
+    def take(self, which: Flags | Integers) -> Contacts:
         """Return some of the contacts."""
         return Contacts._make([array[which] for array in self])
+
+    def joined(self, other: Contacts) -> Contacts:
+        """Return these contacts and others, by points."""
+        both = [np.concatenate(pair) for pair in zip(self, other, strict=True)]
+        order = np.argsort(both[0], kind="stable")
+        return Contacts._make([array[order] for array in both])
 
     @property
     def kept(self) -> Flags:
@@ -67,19 +78,21 @@ class Survey:
         problem: The problem.
         pairs: Pairs of which a distance is asked.
         joints: Where their joints are on the chain.
+        meter: Counts what is measured.
     """
 
-    def __init__(self, problem: Problem, pairs: Pairs) -> None:
+    def __init__(self, problem: Problem, pairs: Pairs, meter: Meter | None = None) -> None:
         self.problem, self.pairs = problem, pairs
+        self.meter = Meter(problem) if meter is None else meter
         self.joints = joints_on_chain(problem)
         cell = problem.cell
+        self._known = [Known(points) for points, _ in pairs.hulls]
         self._model, self._data = cell.model, cell.model.createData()
         self._geometry = cell.collision
         self._scene = self._geometry.createData()
         self._meshes = cell.collision_meshes
         self._exact = self._meshes.createData()
-        for pair in range(len(self._geometry.collisionPairs)):
-            self._scene.deactivateCollisionPair(pair)
+        self._asked = list(zip(pairs.number.tolist(), pairs.required.tolist(), strict=True))
         every = np.ones((problem.k, len(pairs.number)), dtype=bool)
         table = self.capsule_table(every, np.zeros(len(pairs.number)))
         self._capsules = replace(problem, inequalities=table)
@@ -92,35 +105,62 @@ class Survey:
             reach: [m].
             extra: (p, m) what is required of each pair at each posture beyond that [m].
         """
-        near = np.flatnonzero((self.capsule_gaps(q) < reach).any(axis=0))
-        numbers, required = self.pairs.number[near], self.pairs.required[near] + reach
-        found: list[tuple[int, int, float, Array, Array, Array]] = []
-        placed = np.zeros((len(q), self._model.njoints, 4, 4))
-        for number in numbers:
-            self._scene.activateCollisionPair(int(number))
-        watched = list(zip(near.tolist(), numbers.tolist(), required.tolist(), strict=True))
-        for i, x in enumerate(q) if len(near) else ():
-            pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(x))
-            pin.updateGeometryPlacements(self._model, self._data, self._geometry, self._scene)
-            pin.computeDistances(self._geometry, self._scene)
-            placed[i] = [place.homogeneous for place in self._data.oMi]
-            results = self._scene.distanceResults
-            for pair, number, enough in watched:
-                result = results[number]
-                if result.min_distance < enough:
-                    if result.min_distance < enough - reach:
-                        result = self._as_meshes(number, result)
-                    ends = result.getNearestPoint1(), result.getNearestPoint2()
-                    found.append((i, pair, result.min_distance, *ends, result.normal))
-        for number in numbers:
-            self._scene.deactivateCollisionPair(int(number))
+        return self.measured(q, self.capsule_gaps(q) < reach, reach, extra)
+
+    def measured(
+        self, q: Array, which: Flags, reach: float = np.inf, extra: Array | None = None
+    ) -> Contacts:
+        """Return those of some pairs that are nearer than what is required and `reach` more.
+
+        Args:
+            q: Postures (m, n) [rad or m].
+            which: (m, p) pairs to be measured.
+            reach: [m].
+            extra: As of `contacts`.
+        """
+        model, data, scene = self._model, self._data, self._scene
+        joint = self.pairs.joint.tolist()
+        found: list[tuple[int, int, float, bool, Array, Array, Array]] = []
+        placed = np.zeros((len(q), model.njoints, 4, 4))
+        self.meter.measured(int(which.any(axis=1).sum()), int(which.sum()))
+        for i in np.flatnonzero(which.any(axis=1)):
+            pin.forwardKinematics(model, data, self.problem.cell.model_q(q[i]))
+            pin.updateGeometryPlacements(model, data, self._geometry, scene)
+            placed[i] = [place.homogeneous for place in data.oMi]
+            meshes = False
+            for pair in np.flatnonzero(which[i]).tolist():
+                number, required = self._asked[pair]
+                result = pin.computeDistance(self._geometry, scene, number)
+                if result.min_distance >= required + reach:
+                    continue
+                exact = False
+                if result.min_distance < required:
+                    first, second = joint[pair]
+                    pose = data.oMi[first].actInv(data.oMi[second]).homogeneous
+                    least, met = self._known[pair].least(pose)
+                    if least > required + min(reach, _CLEAR):
+                        continue
+                    if not met:
+                        if not meshes:
+                            pin.updateGeometryPlacements(model, data, self._meshes, self._exact)
+                            meshes = True
+                        nearer = pin.computeDistance(self._meshes, self._exact, number)
+                        self._known[pair].add(pose, nearer.min_distance)
+                        self.meter.meshes()
+                        # Meshes that meet have no depth: then the hulls say it.
+                        exact = nearer.min_distance > max(_SURE, result.min_distance + _SURE)
+                        result = nearer if exact else result
+                ends = result.getNearestPoint1(), result.getNearestPoint2()
+                found.append((int(i), pair, result.min_distance, exact, *ends, result.normal))
         return self._record(found, placed, extra)
 
-    def _as_meshes(self, number: int, hulls: pin.DistanceResult) -> pin.DistanceResult:
-        """Return the distance of the meshes as they are, or of the hulls where these meet."""
-        pin.updateGeometryPlacements(self._model, self._data, self._meshes, self._exact)
-        exact = pin.computeDistance(self._meshes, self._exact, number)
-        return exact if exact.min_distance > _SURE else hulls
+    def placements(self, q: Array) -> Array:
+        """Return the poses (m, j, 4, 4) of the joints at postures (m, n)."""
+        placed = np.zeros((len(q), self._model.njoints, 4, 4))
+        for i, x in enumerate(q):
+            pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(x))
+            placed[i] = [place.homogeneous for place in self._data.oMi]
+        return placed
 
     def capsule_table(self, active: Flags, reduced: Array) -> RowTable:
         """Return rows that keep capsules apart; see `bodies.capsule_table`."""
@@ -142,14 +182,14 @@ class Survey:
 
     def _record(
         self,
-        found: list[tuple[int, int, float, Array, Array, Array]],
+        found: list[tuple[int, int, float, bool, Array, Array, Array]],
         placed: Array,
         extra: Array | None,
     ) -> Contacts:
         point = np.array([contact[0] for contact in found], dtype=np.int64)
         pair = np.array([contact[1] for contact in found], dtype=np.int64)
         distance = np.array([contact[2] for contact in found])
-        world = np.array([contact[3:] for contact in found]).reshape(-1, 3, 3)
+        world = np.array([contact[4:] for contact in found]).reshape(-1, 3, 3)
         first, second = (placed[point, self.pairs.joint[pair, side]] for side in (0, 1))
         # Coal gives no normal for meshes; apart, it is the direction between the nearest points.
         between = world[:, 1] - world[:, 0]
@@ -167,6 +207,7 @@ class Survey:
             _in_joint(first, world[:, 0] - first[:, :3, 3]),
             _in_joint(second, world[:, 1] - second[:, :3, 3]),
             _in_joint(first, world[:, 2]),
+            np.array([contact[3] for contact in found], dtype=bool),
         )
 
 

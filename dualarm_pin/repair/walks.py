@@ -14,7 +14,6 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Neighbours, Problem
 from dualarm_pin.repair.basin import Basin
-from dualarm_pin.repair.bodies import Pairs
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
 from dualarm_pin.search.anchored import anchor_points
@@ -22,9 +21,10 @@ from dualarm_pin.search.starts import generator
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.solution import distinct
 from dualarm_pin.solvers import interior_point as engine
+from dualarm_pin.tolerance import TOLERANCE
 
 _ALONE = Options(tolerance=1e-4, iterations=60)  # a start that needs more hardly ever converges
-_TRIED = 2  # times as many minima of a point are looked at as are walked from
+_LACKING = 0.1  # m: out of deeper collisions a single point hardly ever comes
 _AHEAD = 0.7  # share of the last step that the next is expected to repeat
 _STEP = Options(tolerance=1e-4, iterations=25, mu0=1e-3, push=1e-3)  # a guess, refined later
 
@@ -43,7 +43,7 @@ def walked(survey: Survey, *, seed: int, postures: int, walks: int, jobs: int | 
     paths = [
         _walk(survey, at, q)
         for at in anchor_points(problem.k)
-        for q in _apart_alone(problem, survey.pairs, at, postures, walks, seed, jobs)
+        for q in _apart_alone(survey, at, postures, walks, seed, jobs)
     ]
     if not paths:
         return np.zeros((0, problem.k, problem.n))
@@ -56,24 +56,27 @@ def _value(problem: Problem, q: Array) -> float:
 
 
 def _apart_alone(
-    problem: Problem,
-    pairs: Pairs,
-    at: int,
-    postures: int,
-    most: int,
-    seed: int,
-    jobs: int | None,
+    survey: Survey, at: int, postures: int, most: int, seed: int, jobs: int | None
 ) -> list[Array]:
-    """Return the best minima (n,) of one point alone whose bodies are apart."""
-    one = problem.window(at, 1)
+    """Return the best minima (n,) of one point alone whose bodies are apart, or nearly."""
+    one = survey.problem.window(at, 1)
     turns, random = Turns(one), generator(seed, 60, at)
     starts = random.uniform(turns.lower, turns.upper, (postures, 1, one.n))
     ends = engine.solve_many(one, starts, jobs=jobs, options=_ALONE)
+    survey.meter.solved(int(ends.iterations.sum()), 1, 0)
     ends = replace(ends, q=turns.folded(ends.q), converged=ends.status == 0)
-    basin = Basin(Survey(one, pairs), between=False)
-    found: list[tuple[float, Array]] = []
-    for end in distinct(ends).ends.q[: _TRIED * most]:
-        apart = basin.repaired(end)
+    alone = distinct(ends).ends
+    near = survey.contacts(alone.q[:, 0], 0.0)
+    lack = np.zeros(len(alone.q))
+    np.maximum.at(lack, near.point, near.lack)
+    clear = np.flatnonzero(lack <= TOLERANCE.clearance)[:most]
+    found = [(float(alone.objective[end]), alone.q[end, 0]) for end in clear]
+    # Those that lack little may end below them.
+    worst = found[-1][0] if len(found) == most else np.inf
+    basin = Basin(Survey(one, survey.pairs, survey.meter), between=False)
+    close = (lack > TOLERANCE.clearance) & (lack < _LACKING) & (alone.objective < worst)
+    for end in np.flatnonzero(close)[:most]:
+        apart = basin.repaired(alone.q[end])
         if apart is not None:
             found.append((apart.objective, apart.q[0]))
     return [q for _, q in sorted(found, key=lambda each: each[0])[:most]]
@@ -93,5 +96,7 @@ def _walk(survey: Survey, at: int, posture: Array) -> Array:
             both = Neighbours(np.array([before, before]), weight)
             contacts = survey.contacts(start, REACH)
             rows = witness_table(survey, contacts, asked_apart(contacts), 1)
-            path[i] = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP).q[0]
+            end = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP)
+            survey.meter.solved(end.iterations, 1, len(contacts.point))
+            path[i] = end.q[0]
     return path
