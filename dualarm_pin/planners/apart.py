@@ -15,8 +15,8 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.arrays import Array
 from dualarm_pin.clearance.asked import asked_of
-from dualarm_pin.evidence.check import check_held, polished
-from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.evidence.check import polished
+from dualarm_pin.planners.alternatives import Candidate, local_evidence, with_alternatives
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
 from dualarm_pin.repair.basin import Basin, Repaired
@@ -46,6 +46,8 @@ def plan_apart(
     compile_s: float,
     interrupted: bool,
     progress: Progress,
+    given: Sequence[Array] = (),
+    alternatives: int = 1,
 ) -> Trajectory | None:
     """Return the best path that keeps its bodies apart, or None where the best path does.
 
@@ -54,7 +56,7 @@ def plan_apart(
 
     Args:
         task: What is asked.
-        best: The best path (h, n) of a search without rows of pairs.
+        best: The best path (k, n) of a search without rows of pairs.
         minima: Objective and path of all that the search came to, the best first.
         effort: How far to look.
         solver: Name of the solver of the search.
@@ -64,22 +66,25 @@ def plan_apart(
         compile_s: Seconds that compiling took.
         interrupted: The search was cut short.
         progress: Told where the work stands.
+        given: Further paths to move apart.
+        alternatives: How many answers there shall be, as for `plan_global`.
     """
     assert task.clearance is not None
-    problem = task.problem()
-    survey = Survey(problem, asked_pairs(task.cell, asked_of(task).required))
+    free = task.free()
+    survey = Survey(free.problem, asked_pairs(task.cell, asked_of(task).required))
     basin = Basin(survey, between=task.clearance.between_points)
     if basin.keeps(best):
         return None
     progress.stage("paths that keep the bodies apart")
-    apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs)
+    apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs, given=given)
     q, evidence = best, Evidence()
     if apart.best is not None:
         q = _polished(basin, apart.best)
-        evidence = _evidence(held_problem(task, survey, apart.best), q, apart)
+        held = held_problem(task, survey, apart.best)
+        evidence = local_evidence(held, q, _said(apart), free.constant)
     answer = verified(
         task,
-        q,
+        free.whole(q),
         method="global",
         solver=solver,
         timing=clock.read(compile_s),
@@ -91,7 +96,11 @@ def plan_apart(
         tried = f"none of {apart.tried} paths that were tried keeps the clearance that is asked for"
         near = answer.message.removeprefix("not verified: ")
         return replace(answer, message=f"{tried}; in the best path without it {near}")
-    return answer
+
+    def candidate(path: Repaired) -> Candidate:
+        return path.q, lambda: (held_problem(task, survey, path), _polished(basin, path))
+
+    return with_alternatives(task, answer, [candidate(p) for p in apart.found], alternatives)
 
 
 def _polished(basin: Basin, path: Repaired) -> Array:
@@ -100,24 +109,23 @@ def _polished(basin: Basin, path: Repaired) -> Array:
     return q if basin.keeps(q) else path.q
 
 
-def _evidence(problem: Problem, q: Array, apart: Apart) -> Evidence:
-    """Return what is known of the best path: its neighbourhood, and how it was found."""
-    evidence = conclude(Findings(local=check_held(problem, q)))
-    _, *rest = evidence.sentences.split("\n")
-    first = (
+def _said(apart: Apart) -> str:
+    """Return how the best path was found, in words."""
+    return (
         f"With clearance: {apart.tried} paths were moved apart or tried to be, {len(apart.found)} "
         f"came apart, {apart.hits} of them as this one, the best; others may be better. The local "
         "check holds the bodies by planes between them."
     )
-    return replace(evidence, sentences="\n".join([first, *rest]))
 
 
 def held_problem(task: Task, survey: Survey, path: Repaired) -> Problem:
     """Return the task's problem with the rows that hold a path, as rows that Pinocchio knows."""
-    return replace(task, rows=(*task.rows, *_rows(survey, path))).problem()
+    rows = _rows(survey, path, task.free().first)
+    return replace(task, rows=(*task.rows, *rows)).free().problem
 
 
-def _rows(survey: Survey, path: Repaired) -> list[Row]:
+def _rows(survey: Survey, path: Repaired, before: int) -> list[Row]:
+    """Return the rows; `before` points of the whole path have postures that are given."""
     cell, contacts = survey.problem.cell, path.contacts
     found = []
     for c in np.flatnonzero(path.apart - contacts.distance > -_NEAR):
@@ -130,8 +138,8 @@ def _rows(survey: Survey, path: Repaired) -> list[Row]:
             float(normal @ contacts.first[c] + path.apart[c]),
             of=first,
             point=contacts.second[c],
-            points=[point],
-            name=f"{' and '.join(survey.pairs.names[pair])} at point {point + 1}",
+            points=[point + before],
+            name=f"{' and '.join(survey.pairs.names[pair])} at point {point + before + 1}",
         )
         if row.at(cell, path.q[point])[0] < _HELD:
             found.append(row)
