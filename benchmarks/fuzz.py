@@ -50,8 +50,11 @@ MOST_VERIFIED = 200  # points; longer paths are loaded and not checked
 LOCAL = LocalCheck(12.7, 1e-12, 1e-9, 0.01, 98, 0.28, 88, 0.2, 0.2, 1.0, 0, {"arm1/elbow": 2.0})
 BOUND = Bound(12.6, 12.7, (2,), (4, 4), (2, 2), 5.0, {(2,): 12.6})
 LAW = LawCount(300, 280, 46, 9, 3, 1, 12.9, 4)
-EVIDENCE = Evidence("best_known_bounded", {"anchored": LAW}, None, 0.005, True, "enough", True,
-                    LOCAL, BOUND, "Best of\n 9 starts.")  # fmt: skip
+EVIDENCE = Evidence(
+    "best_known_bounded", {"anchored": LAW}, missed_share_95=0.005, laws_agree=True,
+    stopping_rule="enough", stopping_rule_met=True, local=LOCAL, bound=BOUND,
+    sentences="Best of\n 9 starts.",
+)  # fmt: skip
 
 
 def middle(task: Task) -> np.ndarray:

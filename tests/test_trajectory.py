@@ -80,7 +80,7 @@ def test_what_is_saved_is_read_back_as_the_same_typed_record(
 
 
 def test_every_method_has_notes_that_are_read_back(tmp_path: Path) -> None:
-    values = {"bool": True, "int": 3, "float": 0.5, "str": "quick"}
+    values = {"bool": True, "bool | None": True, "int": 3, "float": 0.5, "str": "quick"}
     values |= {"tuple[int, ...]": (1, 2), "tuple[float, ...]": (0.5, 2.0)}
     for method, record in NOTES.items():
         notes = record(**{f.name: values[str(f.type)] for f in fields(record)})
@@ -131,8 +131,9 @@ def test_a_folder_of_the_version_before_is_read_as_the_same_record(tmp_path: Pat
             new = {name: new[name] for name in old}
         assert new == (pytest.approx(old) if key == "gap" else old), key
     assert after["arc_mean_index"] == pytest.approx(before["arc_mean_index"])
-    for key in set(REQUIRED) - {"evidence", "arc_mean_index"}:
+    for key in set(REQUIRED) - {"evidence", "arc_mean_index", "extra"}:
         assert after[key] == before[key], key
+    assert before["extra"].items() <= after["extra"].items()
     assert read.evidence.bound is not None
     assert read.notes == NOTES["global"]("thorough", False)
     assert read.checked.clearance is not None

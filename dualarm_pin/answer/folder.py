@@ -1,7 +1,7 @@
 """Result folders: a task as solved and the trajectory that answers it.
 
 A folder holds `task.yaml`, `trajectory.csv`, `trajectory.npz` (no pickle) and
-`result.json`; scripts rely on their keys and columns.
+`result.json`; scripts rely on their keys and columns. `alternatives/2` and on are folders like it.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from pydantic import ValidationError
 
+from dualarm_pin.answer.alternatives import FOLDER, place_of
 from dualarm_pin.answer.result_json import read_result_json, result_json
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.errors import InputError, MissingFileError
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _LARGEST_JSON = 50_000_000  # bytes; of the longest path 20 MB
+_OF_AN_OLDER = ("motion.csv", "motion.npz", FOLDER)  # trajectory, where they were not written
 _DONE = ("method=null", "solver=null")  # have done their work: none of their code is needed
 _NOT_OURS = "not a result of this program"
 
@@ -45,6 +47,8 @@ def save_result(folder: str | Path, task: Task, trajectory: Trajectory) -> None:
 def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None = None) -> None:
     """Write a trajectory into a folder; the old files stay until all new ones are on the disk.
 
+    What belongs to an older trajectory goes with it: its motion and its alternatives.
+
     Args:
         folder: Where to.
         trajectory: The answer.
@@ -53,16 +57,30 @@ def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None
     Raises:
         InputError: The folder cannot be written.
     """
-    t = trajectory
-    arrays = {"q": t.q, "index": t.index, "arc_length": t.arc_length}
+    others = {place_of(i): a.trajectory for i, a in enumerate(trajectory.alternatives, 2)}
     files = {
-        "trajectory.csv": _csv(trajectory).encode(),
-        "trajectory.npz": npz_bytes(arrays, t.joints),
-        "result.json": (json.dumps(result_json(trajectory), indent=1) + "\n").encode(),
+        f"{place}/{name}": content
+        for place, other in others.items()
+        for name, content in _files(other, task).items()
     }
-    if task is not None:
-        files = {"task.yaml": task.encode(), **files}
-    write_files(Path(folder), files)
+    write_files(Path(folder), files | _files(trajectory, task), stale=_OF_AN_OLDER)
+
+
+def _files(t: Trajectory, task: str | None) -> dict[str, bytes]:
+    """Return the files of one trajectory, `result.json` last."""
+    arrays = {"q": t.q, "index": t.index, "arc_length": t.arc_length}
+    return ({} if task is None else {"task.yaml": task.encode()}) | {
+        "trajectory.csv": _csv(t).encode(),
+        "trajectory.npz": npz_bytes(arrays, t.joints),
+        "result.json": (json.dumps(result_json(t), indent=1) + "\n").encode(),
+    }
+
+
+def with_alternatives(folder: Path) -> list[Path]:
+    """Return a result folder and those of its alternatives, in order."""
+    others = [each.parent for each in (folder / FOLDER).glob("*/result.json")]
+    numbered = [each for each in others if each.name.isdecimal()]
+    return [folder, *sorted(numbered, key=lambda each: int(each.name))]
 
 
 def load_result(

@@ -15,10 +15,14 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class GlobalNotes:
-    """Of the whole path at once: the effort, and whether Ctrl-C or a time limit cut it short."""
+    """Of the whole path at once: the effort, and whether Ctrl-C or a time limit cut it short.
+
+    `from_earlier`: the answer came from an earlier result; None where that was not looked at.
+    """
 
     effort: str
     interrupted: bool
+    from_earlier: bool | None = None
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter
 from pydantic_core import from_json, to_json
 
+from dualarm_pin.answer.alternatives import alternatives_json
 from dualarm_pin.answer.apart_json import ApartFile, LinesFile, apart_json, lines_json, read_apart
 from dualarm_pin.answer.evidence import CONDITION, Bound, Count, Evidence, LocalCheck, Number
 from dualarm_pin.answer.notes import NOTES
@@ -63,6 +64,7 @@ def result_json(trajectory: Trajectory) -> dict[str, Any]:
         "seed": t.seed,
         "message": t.message,
         "evidence": _evidence(t.evidence),
+        "alternatives": alternatives_json(t),
         "timing": asdict(t.timing),
         "versions": t.versions,
         "joints": t.joints,

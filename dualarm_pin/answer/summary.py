@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from dualarm_pin.answer.alternatives import place_of
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
+_JOINTS = 4  # named of those that differ
 _SENTENCES = 2  # of the evidence: how sure, and what was checked
 
 
@@ -42,6 +44,23 @@ def summary(task: Task, trajectory: Trajectory) -> str:
         # The rest is in result.json and the report.
         lines.append("evidence     " + ("\n" + " " * 13).join(_first(t.evidence.sentences)))
     return "\n".join(lines)
+
+
+def alternatives_text(trajectory: Trajectory) -> str:
+    """Return the alternatives of an answer, a line each."""
+    if not trajectory.alternatives:
+        return "alternatives none that differs in posture was found"
+    lines = []
+    for number, other in enumerate(trajectory.alternatives, 2):
+        t, apart = other.trajectory, other.apart
+        names = ", ".join(f"{name} {far:.2f}" for name, far in [*apart.items()][:_JOINTS])
+        more = f" and {len(apart) - _JOINTS} more" if len(apart) > _JOINTS else ""
+        clearance = "unknown" if t.min_clearance is None else f"{t.min_clearance:.3f} m"
+        lines.append(
+            f"{place_of(number)}: objective {t.objective:.4f}, clearance {clearance}, "
+            f"largest step {t.max_joint_step:.3f}; apart in {names}{more} (rad or m)"
+        )
+    return "alternatives " + ("\n" + " " * 13).join(lines)
 
 
 def _smoothing(trajectory: Trajectory) -> str:

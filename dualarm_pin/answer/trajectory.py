@@ -21,6 +21,8 @@ from dualarm_pin.errors import ShapeError
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
+    from dualarm_pin.answer.alternatives import Alternative
+
 
 @dataclass(frozen=True, eq=False)
 class Distances:
@@ -186,6 +188,7 @@ class Trajectory:
         versions: Versions of the libraries that made the result.
         message: In one sentence: why it was not found, or what to know about it.
         notes: What the method says of its own work, a record of `answer.notes` or of its own.
+        alternatives: Further answers that differ in posture, best first, where they were asked for.
 
     Raises:
         ShapeError: The arrays do not belong together.
@@ -204,6 +207,7 @@ class Trajectory:
     versions: Mapping[str, str] = field(default_factory=dict)
     message: str = ""
     notes: DataclassInstance | None = None
+    alternatives: tuple[Alternative, ...] = ()
 
     def __post_init__(self) -> None:
         h = len(self.q)

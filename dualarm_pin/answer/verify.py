@@ -121,6 +121,11 @@ def verify(
         held = tuple(i for i in range(path.h) if row.holds_at(i))
         value = np.array([row.at(cell, q[i])[0] for i in held])
         rows.append(RowValues(row.name, row.units, row.equality, held, value))
+    for name, point in (("from_posture", 0), ("to_posture", path.h - 1)):
+        posture = getattr(task, name)
+        if posture is not None:
+            away = np.array([np.max(np.abs(q[point] - posture))])
+            rows.append(RowValues(name, "rad or m", True, (point,), away))
     return Checked(
         index=index,
         objective=objective,

@@ -22,6 +22,8 @@ def solve(
     time_limit: float | None = None,
     seed: int = 0,
     jobs: int | None = None,
+    warm: Path | None = None,
+    alternatives: int = 1,
     set_: Annotated[tuple[str, ...], Parameter(name="--set", negative=())] = (),
     allow_code: Annotated[bool, Parameter(negative=())] = False,
     out: Path | None = None,
@@ -40,12 +42,14 @@ def solve(
         time_limit: Seconds after which the search is cut; for the global method.
         seed: Seed of the starts: the same seed gives the same answer.
         jobs: Threads or processes to use; all processors by default.
+        warm: Folder of an earlier result with the same joints, to start from too; for global.
+        alternatives: How many answers that differ in posture, the best among them; for global.
         set_: Change a field of the task or cell: key=value, such as smoothness=30.
         allow_code: Import and run the functions that the task file names with `call`.
         out: Folder of the result; results/TASK-METHOD by default.
     """
-    from dualarm_pin.answer.folder import save_result
-    from dualarm_pin.answer.summary import summary
+    from dualarm_pin.answer.folder import load_trajectory, save_result
+    from dualarm_pin.answer.summary import alternatives_text, summary
     from dualarm_pin.files.write import reserved
     from dualarm_pin.motion.limits import limits_of
     from dualarm_pin.motion.make import make_motion
@@ -57,6 +61,7 @@ def solve(
     loaded = Task.load(task, set_, allow_code=allow_code)
     if loaded.motion is not None:
         limits_of(loaded.cell, loaded.motion.limits)  # what is missing is said before the search
+    earlier = None if warm is None else load_trajectory(warm)
     how = method or name_of(loaded.method or AIMS[loaded.aim])
     folder = out or Path("results") / f"{task.stem}-{how.replace(':', '-')}"
     with reserved(folder), TerminalProgress() as progress:
@@ -71,6 +76,8 @@ def solve(
             time_limit=time_limit,
             seed=seed,
             jobs=jobs,
+            warm=earlier,
+            alternatives=alternatives,
             progress=progress,
         )
         save_result(folder, loaded, trajectory)
@@ -79,6 +86,8 @@ def solve(
             made = make_motion(loaded, trajectory)
             made.write(folder)
     print(summary(loaded, trajectory))
+    if alternatives > 1 and trajectory.found:
+        print(alternatives_text(trajectory))
     if made is not None:
         print(motion_text(made))
     print(f"written to {folder}")

@@ -23,24 +23,29 @@ def view(
     """Show results in the browser, or write them as one file that opens without a network.
 
     Args:
-        results: Folders that `solve --out` wrote; several are compared.
+        results: Folders that `solve --out` wrote; several are compared, and their
+            alternatives beside them.
         html: Write this file instead of opening a browser.
         port: Port of the local page; a free one by default.
         browser: Open the page in the browser.
         allow_code: Import and run the index, path or rows that a task names with `call`.
     """
-    from dualarm_pin.answer.folder import labels, load_result
+    from dualarm_pin.answer.folder import labels, load_result, with_alternatives
     from dualarm_pin.motion.record import motions_of
     from dualarm_pin.show import report_page, serve, write_report
     from dualarm_pin.show.sensitivity import load_costs
 
     if not results:
         raise InputError("name at least one result folder", field="RESULT_DIR")
-    named = dict(zip(labels(results), results, strict=True))
-    known = {label: load_costs(folder) for label, folder in named.items()}
+    folders = {
+        label if at == 0 else f"{label}, {folder.name}": folder
+        for label, result in zip(labels(results), results, strict=True)
+        for at, folder in enumerate(with_alternatives(result))
+    }
+    loaded = {label: load_result(each, allow_code=allow_code) for label, each in folders.items()}
+    motions = motions_of(folders)
+    known = {label: load_costs(folder) for label, folder in folders.items()}
     costs = {label: each for label, each in known.items() if each is not None}
-    loaded = {label: load_result(folder, allow_code=allow_code) for label, folder in named.items()}
-    motions = motions_of(dict(zip(loaded, results, strict=True)))
     first, _ = next(iter(loaded.values()))
     title = first.path.name if len(loaded) == 1 else f"{len(loaded)} results"
     title = f"{first.cell.name}: {title}"

@@ -5,7 +5,7 @@ A sentence never says more than was checked, and a bound is never named without 
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, Searches, Verdict
 from dualarm_pin.evidence import sentences
@@ -31,6 +31,35 @@ class Findings:
     agree: bool = False
     bound: Bound | None = None
     searches: Searches | None = None
+
+    def shifted(self, constant: float) -> Findings:
+        """Return the same about an objective that is larger by a constant."""
+        if constant == 0.0:
+            return self
+        local, bound, found = self.local, self.bound, self.searches
+        laws = {
+            name: replace(law, second_best=law.second_best and law.second_best + constant)
+            for name, law in self.laws.items()
+        }
+        return replace(
+            self,
+            local=replace(local, objective=local.objective + constant),
+            laws=laws,
+            bound=bound
+            and replace(
+                bound,
+                value=bound.value + constant,
+                objective=bound.objective + constant,
+                tried={cuts: value + constant for cuts, value in bound.tried.items()},
+                replaced=bound.replaced and bound.replaced + constant,
+            ),
+            searches=found
+            and replace(
+                found,
+                objectives=tuple(value + constant for value in found.objectives),
+                best=found.best + constant,
+            ),
+        )
 
     @property
     def starts_suffice(self) -> bool:

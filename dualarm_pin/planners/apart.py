@@ -8,15 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from dualarm_pin.answer.evidence import Evidence
 from dualarm_pin.answer.notes import GlobalNotes
 from dualarm_pin.answer.provenance import Clock
 from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.arrays import Array
 from dualarm_pin.clearance.asked import asked_of
-from dualarm_pin.evidence.check import check_held, polished
-from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.evidence.check import polished
+from dualarm_pin.planners.alternatives import Candidate, local_evidence, with_alternatives
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
 from dualarm_pin.repair.basin import Basin, Repaired
@@ -49,6 +48,8 @@ def plan_apart(
     interrupted: bool,
     deadline: float,
     progress: Progress,
+    given: Sequence[Array] = (),
+    alternatives: int = 1,
 ) -> Trajectory | None:
     """Return the best path that keeps its bodies apart, or None where the best path does.
 
@@ -57,7 +58,7 @@ def plan_apart(
 
     Args:
         task: What is asked.
-        best: The best path (h, n) of a search without rows of pairs.
+        best: The best path (k, n) of a search without rows of pairs.
         minima: Objective and path of all that the search came to, the best first.
         effort: How far to look.
         solver: Name of the solver of the search.
@@ -68,30 +69,40 @@ def plan_apart(
         interrupted: The search was cut short.
         deadline: Monotonic time at which the work is cut [s].
         progress: Told where the work stands.
+        given: Further paths to move apart.
+        alternatives: How many answers there shall be, as for `plan_global`.
     """
     assert task.clearance is not None
-    problem = task.problem()
-    survey = Survey(problem, asked_pairs(task.cell, asked_of(task).required))
+    free = task.free()
+    survey = Survey(free.problem, asked_pairs(task.cell, asked_of(task).required))
     basin = Basin(survey, between=task.clearance.between_points)
     if basin.keeps(best):
         return None
     progress.stage("paths that keep the bodies apart")
-    survey.meter = Meter(problem, EFFORTS[effort].work, deadline)
-    apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs)
+    survey.meter = Meter(free.problem, EFFORTS[effort].work, deadline)
+    apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs, given=given)
     provenance: dict[str, Any] = {
         "method": "global",
         "solver": solver,
         "seed": seed,
         "notes": GlobalNotes(effort=effort, interrupted=interrupted or apart.cut),
     }
+
+    def candidate(path: Repaired) -> Candidate:
+        return path.q, lambda: (held_problem(task, survey, path), _polished(basin, path))
+
     answer = None
     for path in apart.found[:_CHECKED]:  # the check looks closer than the repair
         q = _polished(basin, path)
-        evidence = _evidence(held_problem(task, survey, path), q, apart, apart.hits(path))
-        answer = verified(task, q, timing=clock.read(compile_s), evidence=evidence, **provenance)
+        held = held_problem(task, survey, path)
+        evidence = local_evidence(held, q, _said(apart, apart.hits(path)), free.constant)
+        answer = verified(
+            task, free.whole(q), timing=clock.read(compile_s), evidence=evidence, **provenance
+        )
         if answer.found:
-            return answer
-    answer = answer or verified(task, best, timing=clock.read(compile_s), **provenance)
+            others = [candidate(other) for other in apart.found]
+            return with_alternatives(task, answer, others, alternatives)
+    answer = answer or verified(task, free.whole(best), timing=clock.read(compile_s), **provenance)
     if apart.best is None:
         tried = f"none of {apart.tried} paths that were tried keeps the clearance that is asked for"
         near = answer.message.removeprefix("not verified: ")
@@ -105,24 +116,23 @@ def _polished(basin: Basin, path: Repaired) -> Array:
     return q if basin.keeps(q) else path.q
 
 
-def _evidence(problem: Problem, q: Array, apart: Apart, hits: int) -> Evidence:
-    """Return what is known of the best path: its neighbourhood, and how it was found."""
-    evidence = conclude(Findings(local=check_held(problem, q)))
-    _, *rest = evidence.sentences.split("\n")
-    first = (
+def _said(apart: Apart, hits: int) -> str:
+    """Return how a path was found, in words."""
+    return (
         f"With clearance: {apart.tried} paths were moved apart or tried to be, {len(apart.found)} "
         f"came apart, {hits} of them as this one; others may be better. The local "
         "check holds the bodies by planes between them."
     )
-    return replace(evidence, sentences="\n".join([first, *rest]))
 
 
 def held_problem(task: Task, survey: Survey, path: Repaired) -> Problem:
     """Return the task's problem with the rows that hold a path, as rows that Pinocchio knows."""
-    return replace(task, rows=(*task.rows, *_rows(survey, path))).problem()
+    rows = _rows(survey, path, task.free().first)
+    return replace(task, rows=(*task.rows, *rows)).free().problem
 
 
-def _rows(survey: Survey, path: Repaired) -> list[Row]:
+def _rows(survey: Survey, path: Repaired, before: int) -> list[Row]:
+    """Return the rows; `before` points of the whole path have postures that are given."""
     cell, contacts = survey.problem.cell, path.contacts
     found = []
     for c in np.flatnonzero(path.apart - contacts.distance > -_NEAR):
@@ -135,8 +145,8 @@ def _rows(survey: Survey, path: Repaired) -> list[Row]:
             float(normal @ contacts.first[c] + path.apart[c]),
             of=first,
             point=contacts.second[c],
-            points=[point],
-            name=f"{' and '.join(survey.pairs.names[pair])} at point {point + 1}",
+            points=[point + before],
+            name=f"{' and '.join(survey.pairs.names[pair])} at point {point + before + 1}",
         )
         if row.at(cell, path.q[point])[0] < _HELD:
             found.append(row)

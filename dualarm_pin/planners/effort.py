@@ -77,6 +77,7 @@ class Search:
 
     Attributes:
         cut: Whether the time limit ended it.
+        given: Objective and path of minima that another search, or a given posture, led to.
     """
 
     def __init__(
@@ -92,6 +93,7 @@ class Search:
         deadline: float = np.inf,
     ) -> None:
         self.problem, self.budget, self.progress = problem, budget, progress
+        self.given: list[tuple[float, Array]] = []
         self.deadline, self.cut, self._told = deadline, False, 0
         self._starts = budget.starts if starts is None or not budget.starts else starts
         self._postures = starts
@@ -135,7 +137,7 @@ class Search:
         """Return the best path (k, n) of all starts and hops so far."""
         pools = [each.pool for each in self.independent]
         pools += [self._joint.pool] if self._joint is not None else []
-        known = [(pool.best, pool.paths[0]) for pool in pools if pool.paths]
+        known = [(pool.best, pool.paths[0]) for pool in pools if pool.paths] + self.given
         value, q = min(known, key=lambda one: one[0], default=(np.inf, None))
         drawn = [each.ends for law in self.laws if (each := law.drawn()) is not None]
         start = Drawn(0, Solutions.join(drawn)).best if drawn else None
@@ -148,6 +150,7 @@ class Search:
         pools = [each.pool for each in self.independent]
         pools += [self._joint.pool] if self._joint is not None else []
         found = [pair for p in pools for pair in zip(p.objectives, p.paths, strict=True)]
+        found += self.given
         for law in self.further:
             drawn = law.drawn()
             if drawn is not None:

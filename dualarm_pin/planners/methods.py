@@ -20,11 +20,12 @@ from dualarm_pin.planners.whole_path import Effort, plan_global
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.solvers.casadi_ipopt import PLUGINS
 from dualarm_pin.solvers.shipped import SOLVERS
-from dualarm_pin.solvers.solver import Solver, error_about
+from dualarm_pin.solvers.solver import Solver, error_about, name_of
 
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
+MOST_ALTERNATIVES = 20  # as many as a search keeps
 EFFORTS: tuple[str, ...] = get_args(Effort)
 
 
@@ -36,7 +37,8 @@ class PlannerEntry:
         function: Called with the task, `seed`, `progress` and what of the rest it takes.
         solvers: What `--solver` may name, and what the function gets for it.
         keyword: Under which keyword it gets that.
-        options: Which of `effort`, `starts`, `jobs` and `time_limit` it takes.
+        options: Which of `effort`, `starts`, `jobs`, `time_limit`, `warm` and `alternatives` it
+            takes.
     """
 
     function: Callable[..., Trajectory]
@@ -50,7 +52,9 @@ AIMS = {"index": "global", "feed": "feed"}
 
 METHODS: dict[str, PlannerEntry] = {
     "global": PlannerEntry(
-        plan_global, SOLVERS, options=("effort", "starts", "jobs", "time_limit")
+        plan_global,
+        SOLVERS,
+        options=("effort", "starts", "jobs", "time_limit", "warm", "alternatives"),
     ),
     "feed": PlannerEntry(plan_feed, {}, options=("effort", "starts", "jobs")),
     "two-stage": PlannerEntry(plan_two_stage, SOLVERS, options=("starts", "jobs")),
@@ -70,6 +74,8 @@ def plan(
     time_limit: float | None = None,
     seed: int = 0,
     jobs: int | None = None,
+    warm: Trajectory | None = None,
+    alternatives: int = 1,
     progress: Progress = SILENT,
 ) -> Trajectory:
     """Plan with a method given by name, or with a planner of your own.
@@ -85,6 +91,8 @@ def plan(
         time_limit: Seconds after which the search is cut, for the global method.
         seed: Seed of the starts.
         jobs: Threads or processes; None takes the processors there are.
+        warm: An earlier result to start from too, for the global method.
+        alternatives: How many answers that differ in posture, for the global method.
         progress: Told where the work stands.
 
     Raises:
@@ -95,6 +103,15 @@ def plan(
     check_counts(starts, seed, jobs)
     if time_limit is not None and not time_limit > 0.0:
         raise InputError(f"seconds above 0 are expected; given {time_limit}", field="--time-limit")
+    if not 1 <= alternatives <= MOST_ALTERNATIVES:
+        message = f"1 to {MOST_ALTERNATIVES} is expected; given {alternatives}"
+        raise InputError(message, field="--alternatives")
+    asked = {"--warm": warm is not None, "--alternatives": alternatives > 1}
+    ends = {name: getattr(task, name) is not None for name in ("from_posture", "to_posture")}
+    for name, wanted in (asked | (ends if isinstance(method, str) else {})).items():
+        if wanted and method != "global":
+            message = f"the method {name_of(method)!r} has no use for it; take global"
+            raise InputError(message, field=name)
     if not isinstance(method, str):
         answer = method(task, seed=seed)
         if not isinstance(answer, Trajectory):
@@ -103,7 +120,13 @@ def plan(
     _known("method", method, METHODS)
     _known("effort", effort, EFFORTS)
     entry = METHODS[method]
-    given = {"effort": effort, "starts": starts, "jobs": jobs, "time_limit": time_limit}
+    given: dict[str, Any] = {
+        "effort": effort,
+        "starts": starts,
+        "jobs": jobs,
+        "time_limit": time_limit,
+    }
+    given |= {"warm": warm, "alternatives": alternatives}
     arguments: dict[str, Any] = {n: given[n] for n in entry.options if given[n] is not None}
     solver = solver or task.solver
     if isinstance(solver, str):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -15,15 +15,20 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.evidence.laws import count_laws
+from dualarm_pin.planners.alternatives import Candidate, with_alternatives
+from dualarm_pin.planners.earlier import resampled
 from dualarm_pin.planners.forbidden import forbidden
 from dualarm_pin.planners.unreachable import unreachable
 from dualarm_pin.progress import SILENT, Progress
+from dualarm_pin.solution import same_path
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.solvers.shipped import ENGINE
 from dualarm_pin.solvers.solver import Solver, name_of, solve_one
 
 if TYPE_CHECKING:
+    from dualarm_pin.planners.effort import Search
     from dualarm_pin.task import Task
+    from dualarm_pin.task.ends import FreePart
 
 Array = NDArray[np.float64]
 Effort = Literal["quick", "normal", "thorough"]
@@ -38,6 +43,8 @@ def plan_global(
     seed: int = 0,
     jobs: int | None = None,
     time_limit: float | None = None,
+    warm: Trajectory | None = None,
+    alternatives: int = 1,
     progress: Progress = SILENT,
 ) -> Trajectory:
     """Plan the whole path at once and say how good the answer is.
@@ -53,18 +60,27 @@ def plan_global(
         jobs: Threads; None takes the processors there are.
         time_limit: Seconds after which the search is cut: then the answer depends on the machine.
             The step under way is finished and the check is made.
+        warm: An earlier result for the same joints: a further start, whose minimum is taken where
+            it is better. Its path is put onto this one by arc length.
+        alternatives: How many answers there shall be: the best, and in its `alternatives` the next
+            ones that differ in posture, fewer where fewer are found.
         progress: Told where the work stands.
 
     Returns:
         The best path of all starts and hops; after Ctrl-C the best so far. `found` is False where
         no start reached every point.
+
+    Raises:
+        InputError: `warm` has other joints.
     """
-    from dualarm_pin.evidence.check import check_minimum
+    from dualarm_pin.evidence.check import check_minimum, polished
     from dualarm_pin.evidence.verdict import Findings, conclude
     from dualarm_pin.planners.effort import BUDGETS, Search
 
     budget = BUDGETS[effort]
-    problem = task.problem()
+    free = task.free()
+    problem = free.problem
+    further = [] if warm is None else [free.part(resampled(task, warm))]
     clock = Clock.start()
     never = forbidden(task, "global", name_of(solver), seed, clock)
     if never is not None:
@@ -82,11 +98,18 @@ def plan_global(
         deadline=deadline,
     )
     interrupted = _until_ctrl_c(search.run)
+    found = search.best()
+    if not interrupted:
+        interrupted = _until_ctrl_c(lambda: _refine(search, solver, further))
+    earlier = [q for _, q in search.given]
+    if not interrupted:
+        walks = _from_ends(free, solver, jobs)
+        interrupted = _until_ctrl_c(lambda: _refine(search, solver, walks))
     best = search.best()
     if best is None and interrupted:
         raise KeyboardInterrupt  # nothing is finished that could be kept
     if best is None:
-        return unreachable(task, problem, "global", name_of(solver), seed, clock)
+        return unreachable(task, task.problem(), "global", name_of(solver), seed, clock)
     interrupted = interrupted or search.cut
     if asked_of(task).any:
         from dualarm_pin.planners.apart import plan_apart
@@ -104,6 +127,8 @@ def plan_global(
             interrupted=interrupted,
             deadline=deadline,
             progress=progress,
+            given=further,
+            alternatives=alternatives,
         )
         if apart is not None:
             return apart
@@ -115,6 +140,9 @@ def plan_global(
         # The pieces may show a better path: then that is the answer, with counts of its own.
         q, local, bound = bound_minimum(problem, q, local, seed=seed, jobs=jobs, progress=progress)
     laws = count_laws(search.laws, q)
+    from_earlier = any(same_path(q, end) for end in earlier) and not (
+        found is not None and same_path(q, found)
+    )
     findings = Findings(
         local=local,
         laws=laws,
@@ -122,16 +150,22 @@ def plan_global(
         bound=bound,
         searches=search.searches(problem.objective(q)),
     )
-    return verified(
+    answer = verified(
         task,
-        q,
+        free.whole(q),
         method="global",
         solver=name_of(solver),
         timing=clock.read(compile_s),
         seed=seed,
-        evidence=conclude(findings),
-        notes=GlobalNotes(effort=effort, interrupted=interrupted),
+        evidence=conclude(findings.shifted(free.constant)),
+        notes=GlobalNotes(effort, interrupted, None if warm is None else from_earlier),
     )
+
+    def candidate(q: Array) -> Candidate:
+        return q, lambda: (problem, polished(problem, q))
+
+    others = [candidate(q) for _, q in search.minima()]
+    return with_alternatives(task, answer, others, alternatives)
 
 
 def polish(task: Task, q: Array, *, solver: Solver = ENGINE, seed: int | None = None) -> Trajectory:
@@ -169,3 +203,21 @@ def _until_ctrl_c(work: Callable[[], None]) -> bool:
     except KeyboardInterrupt:
         return True
     return False
+
+
+def _refine(search: Search, solver: Solver, starts: Sequence[Array]) -> None:
+    """Add the minima of further starts (k, n) to what a search has found."""
+    for start in starts:
+        end = solve_one(solver, search.problem, start)
+        if end.feasible:
+            search.given.append((end.objective, end.q))
+
+
+def _from_ends(free: FreePart, solver: Solver, jobs: int | None) -> Sequence[Array]:
+    """Return the paths (k, n) that lead from postures that are given through all points."""
+    ends = [(q, at) for q, at in ((free.before, 0), (free.after, -1)) if q is not None]
+    if not ends or solver is not ENGINE:  # only the engine walks
+        return []
+    at = np.array([at for _, at in ends]) % free.problem.k
+    walked = engine.walk_many(free.problem, np.array([q for q, _ in ends]), at, jobs=jobs)
+    return list(walked.q[walked.reached])

@@ -88,6 +88,7 @@ def keep_apart(
     *,
     seed: int,
     jobs: int | None,
+    given: Sequence[Array] = (),
 ) -> Apart:
     """Look for the best path whose bodies stay as far apart as is asked of them.
 
@@ -97,6 +98,7 @@ def keep_apart(
         effort: How far to look.
         seed: Of the walks.
         jobs: Threads.
+        given: Further paths to move apart, such as one that was apart in a task like this.
 
     Returns:
         What was found; after Ctrl-C what there was so far.
@@ -110,6 +112,8 @@ def keep_apart(
         survey.meter.found = result.best is not None
 
     try:
+        for path in given:
+            result.take(basin.repaired(path))
         for number in range(effort.rounds):
             walks = walked(
                 survey,

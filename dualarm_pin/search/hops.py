@@ -122,9 +122,10 @@ class Hops:
             return
         base, first = base[fit], first[fit]
         self.made += len(fit)
-        beside = np.stack(
+        fixed = problem.neighbours.posture
+        beside = np.array(
             [
-                np.stack([path[max(a - 1, 0)], path[min(a + w, k - 1)]])
+                [path[a - 1] if a else fixed[0], path[a + w] if a + w < k else fixed[1]]
                 for path, a in zip(base, first, strict=True)
             ]
         )

@@ -37,6 +37,8 @@ class Turns:
         turns = (chain.kind == REVOLUTE) & (np.abs(chain.scale) == 1.0)
         whole[chain.source[moves & ~turns]] = False
         self.wide = whole & (room > TURN + TOLERANCE.fixed_joint) & (index.joint_centre == 0.0)
+        if problem.neighbours.weight.any():  # a posture that is given is not another by full turns
+            self.wide = np.zeros(problem.n, dtype=bool)
         self.lower = np.where(self.wide, middle - np.pi, problem.lower)
         self.upper = np.where(self.wide, middle + np.pi, problem.upper)
         self._middle = middle

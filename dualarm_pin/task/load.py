@@ -23,6 +23,7 @@ from dualarm_pin.path.gamma import choose_Gamma
 from dualarm_pin.path.load import load_path
 from dualarm_pin.placement.spec import load_placement
 from dualarm_pin.rows.spec import load_rows
+from dualarm_pin.task.posture_spec import load_posture
 from dualarm_pin.task.record import task_record
 from dualarm_pin.task.spec import SmoothnessSpec, TaskSpec
 
@@ -75,6 +76,17 @@ def parts_of_task(
             "record": record,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),
         }
+        for key, given in (("from_posture", spec.from_posture), ("to_posture", spec.to_posture)):
+            try:
+                folder, last = source.path.parent, key == "from_posture"
+                parts[key] = posture = load_posture(given, cell, folder, last=last)
+            except InputError as error:
+                if error.file is not None:
+                    raise
+                field = ".".join(filter(None, (key, error.field)))
+                raise type(error)(error.message, field=field) from error
+            if posture is not None:
+                record[key] = posture.tolist()  # the same even where that result is gone
         for key, named in (("method", spec.method), ("solver", spec.solver)):
             function = own.get((key,))
             parts[key] = named if function is None else function.instance()

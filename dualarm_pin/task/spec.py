@@ -8,7 +8,7 @@ from pydantic import Field
 
 from dualarm_pin.clearance.spec import ClearanceSpec
 from dualarm_pin.files.call import CallSpec, Place
-from dualarm_pin.files.numbers import Point, Weight
+from dualarm_pin.files.numbers import Number, Point, Weight
 from dualarm_pin.files.signature import Count
 from dualarm_pin.files.source import Spec
 from dualarm_pin.indices.spec import IndexSpec
@@ -16,6 +16,7 @@ from dualarm_pin.path.spec import PathSpec
 from dualarm_pin.placement.spec import FreeSpec
 from dualarm_pin.rows.spec import RowSpec
 from dualarm_pin.task.motion_spec import MotionSpec
+from dualarm_pin.task.posture_spec import PostureSpec
 
 
 class SmoothnessSpec(Spec):
@@ -59,6 +60,9 @@ class TaskSpec(Spec):
         clearance: How far apart bodies must stay: a distance, more about it, or `off`.
         motion: How its answer runs in time, if that is asked.
         aim: The smallest index, or the largest feed of the tool along the path: `index`, `feed`.
+        from_posture: Joints at the first point, in the order of `check` [rad or m], or from
+            elsewhere, such as `{result: results/before}`.
+        to_posture: Joints at the last point, such as `{deg: [0, 10, 90]}`.
         method: How to plan it where the caller does not say: a name, or `call`, such as `global`.
         solver: The solver of that method: a name, or `call`, such as `engine`.
         placement: What `dualarm-pin place` may change, if anything.
@@ -74,6 +78,8 @@ class TaskSpec(Spec):
     clearance: ClearanceSpec = ClearanceSpec()
     motion: MotionSpec | None = None
     aim: Literal["index", "feed"] = "index"
+    from_posture: list[Number] | PostureSpec | None = None
+    to_posture: list[Number] | PostureSpec | None = None
     method: str | CallSpec | None = None
     solver: str | CallSpec | None = None
     placement: FreeSpec | None = None

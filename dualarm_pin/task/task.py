@@ -24,6 +24,7 @@ from dualarm_pin.placement.asked import Asked
 from dualarm_pin.problem import Problem
 from dualarm_pin.rows import Row
 from dualarm_pin.solvers.solver import Solver
+from dualarm_pin.task.ends import FreePart, check_end
 from dualarm_pin.task.load import parts_of_task
 from dualarm_pin.task.motion_spec import MotionSpec
 
@@ -52,6 +53,8 @@ class Task:
             that returns a `Trajectory`; None for the whole path at once.
         solver: The solver of that method where the caller does not say: a name, or a `Solver`.
         placement: What `plan_placement` may change, if anything.
+        from_posture: Joints at the first point (n,) [rad or m], if they are given.
+        to_posture: Joints at the last point (n,), if they are given.
         name: Name for tables.
         record: The content of a complete task file, if the task came from one.
     """
@@ -71,6 +74,8 @@ class Task:
     method: str | Callable[..., Any] | None = None
     solver: str | Solver | None = None
     placement: Asked | None = None
+    from_posture: Array | None = None
+    to_posture: Array | None = None
     name: str = "task"
     record: Mapping[str, Any] | None = None
 
@@ -101,8 +106,18 @@ class Task:
         object.__setattr__(self, "metric", metric)
         if self.clearance is not None:
             self.clearance.check_names(self.cell.body_names)
+        self._check_ends()
         if not self.Gamma:
             object.__setattr__(self, "Gamma", choose_Gamma(self.path, min(6, h)))
+
+    def _check_ends(self) -> None:
+        ends = {"from_posture": 0, "to_posture": self.path.h - 1}
+        given = {name: point for name, point in ends.items() if getattr(self, name) is not None}
+        if len(given) == self.path.h:
+            raise InputError("every posture of the path is given: nothing is left to plan")
+        for name, point in given.items():
+            q = check_end(name, getattr(self, name), self.cell, self.path, point)
+            object.__setattr__(self, name, q)
 
     @classmethod
     def load(
@@ -154,6 +169,10 @@ class Task:
             metric=self.metric,
             rows=self.rows,
         )
+
+    def free(self) -> FreePart:
+        """Return what is left to plan where the first or the last posture is given."""
+        return FreePart.of(self.problem(), self.from_posture, self.to_posture)
 
     def link_weights(self, points: Sequence[int], smoothness: float) -> Array:
         """Return lambda of the links between consecutive `points` of the path (len - 1,)."""
