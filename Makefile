@@ -7,7 +7,7 @@ OUT ?= paper
 # -qq: errors alone; what is installed stands in the locks.
 INSTALL := @$(BIN)/python -m pip install -qq --progress-bar off --disable-pip-version-check
 
-.PHONY: paper test lint notebooks benchmark lock clean
+.PHONY: paper test lint notebooks manual benchmark lock clean
 .DELETE_ON_ERROR:
 
 paper: $(VENV)/.core
@@ -24,6 +24,10 @@ lint: $(VENV)/.dev
 
 notebooks: $(VENV)/.dev
 	$(BIN)/python -m pytest --nbmake notebooks/*.ipynb
+
+# Pages that open from disk: build/manual/index.html. A warning is an error.
+manual: $(VENV)/.docs
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going --quiet -d build/doctrees docs/manual build/manual
 
 benchmark: $(VENV)/.dev
 	$(INSTALL) --require-hashes -r requirements/all.txt
@@ -43,13 +47,18 @@ $(VENV)/.dev: requirements/dev.txt $(VENV)/.core
 	$(INSTALL) --require-hashes -r requirements/dev.txt
 	@touch $@
 
+$(VENV)/.docs: requirements/docs.txt $(VENV)/.core
+	$(INSTALL) --require-hashes -r requirements/docs.txt
+	@touch $@
+
 # Write the locks anew (needs uv): every platform, Python 3.11 and later, with hashes.
-LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header pyproject.toml requirements/build.in
+LOCK := $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --generate-hashes --no-header -c requirements/limits.in pyproject.toml requirements/build.in
 lock: | $(BIN)/python
 	$(INSTALL) uv
 	$(LOCK) -o requirements/core.txt
 	$(LOCK) --extra dev -c requirements/core.txt -o requirements/dev.txt
-	$(LOCK) --all-extras -c requirements/dev.txt -o requirements/all.txt
+	$(LOCK) --extra docs -c requirements/dev.txt -o requirements/docs.txt
+	$(LOCK) --all-extras -c requirements/dev.txt -c requirements/docs.txt -o requirements/all.txt
 
 clean:
 	rm -rf $(VENV) paper build dist

@@ -9,6 +9,8 @@ import io
 import os
 import shutil
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -61,18 +63,25 @@ def draw_scene(task: Task, best: Trajectory, file: Path) -> None:
     """Draw both robots, the path and the ellipsoids at one place of the path."""
     page_file = HERE / "scene.html"
     write_player(page_file, task, {"best": best}, title="scene")
-    found = map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))
-    chromium = os.environ.get("DUALARM_PIN_CHROMIUM") or next(filter(None, found), None)
     try:
-        with sync_playwright() as driver:
-            browser = driver.chromium.launch(executable_path=chromium, args=FLAGS)
+        with open_browser() as browser:
             wide = _still(browser, page_file, (WIDTH, HEIGHT), WIDE, ["force", "velocity"])
             close = _still(browser, page_file, INSET[:2], CLOSE, [])
-            browser.close()
     finally:
         page_file.unlink()
     _paste_inset(wide, close)
-    _write(file, wide)
+    write_picture(file, wide)
+
+
+@contextmanager
+def open_browser() -> Iterator[Browser]:
+    """Start headless Chromium."""
+    found = map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))
+    chromium = os.environ.get("DUALARM_PIN_CHROMIUM") or next(filter(None, found), None)
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=chromium, args=FLAGS)
+        yield browser
+        browser.close()
 
 
 def _still(
@@ -141,14 +150,14 @@ def draw_plots(starts: int, file: Path) -> None:
     left.set_ylabel("index $c$ [m²], lower is better")
     picture = io.BytesIO()
     figure.savefig(picture, dpi=160, metadata={"Software": None})
-    _write(file, Image.open(picture).convert("RGB"))
+    write_picture(file, Image.open(picture).convert("RGB"))
 
 
 def _curve(ax: Axes, answer: Trajectory, label: str, k: int) -> None:
     plots.draw_curve(ax, k, f"{label} (mean {answer.mean_index:.2f})", answer, answer.index)
 
 
-def _write(file: Path, picture: Image.Image) -> None:
+def write_picture(file: Path, picture: Image.Image) -> None:
     """Write a picture in 256 colours, and refuse one too large for a README."""
     few = picture.quantize(256, method=Image.Quantize.MEDIANCUT, kmeans=3)
     few.save(file, optimize=True)

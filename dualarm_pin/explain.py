@@ -118,8 +118,8 @@ def _one(key: Key) -> str:
     said = key.said
     facts = {
         "unit": said.unit,
-        "default": "none, it is needed" if key.required else _shown(key.default),
-        "example": f"{key.place.rpartition('.')[2]}: {_shown(said.example)}",
+        "default": "none, it is needed" if key.required else shown(key.default),
+        "example": f"{key.place.rpartition('.')[2]}: {shown(said.example)}",
     }
     lines = [
         key.place,
@@ -136,7 +136,8 @@ def _one(key: Key) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _shown(value: Any) -> str | None:
+def shown(value: Any) -> str | None:
+    """Return a value as a file would give it, or None for one that says nothing."""
     if isinstance(value, BaseModel):
         value = value.model_dump(exclude_unset=True)
     if value is None or value in ([], {}):
