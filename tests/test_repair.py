@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
@@ -20,8 +21,10 @@ from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.repair.basin import Basin, inner_postures
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
+from dualarm_pin.repair.known import Known
+from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.survey import Survey
-from dualarm_pin.repair.witness import asked_apart, witness_table
+from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -121,3 +124,36 @@ def test_the_answer_is_found_only_where_the_check_confirms_every_pair(task: Task
     assert answer.evidence.local is not None
     assert answer.evidence.local.minimum
     assert answer.evidence.verdict == "local_only"
+
+
+def test_a_distance_that_is_known_from_a_nearby_pose_is_never_too_large(survey: Survey) -> None:
+    points, _ = survey.pairs.hulls[0]
+    known, random = Known(points), np.random.default_rng(4)
+    pose = np.eye(4)
+    known.add(pose, 0.2)
+    assert known.least(pose) == (0.2, False)
+    for _ in range(20):
+        moved = pin.exp6(random.normal(scale=0.05, size=6)).homogeneous
+        away = np.linalg.norm(points @ moved[:3, :3].T + moved[:3, 3] - points, axis=1).max()
+        assert known.least(moved)[0] <= 0.2 - away + 1e-12
+
+
+def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, best: Array) -> None:
+    held = survey.contacts(best, 0.1)
+    end = best + np.random.default_rng(5).normal(scale=0.3, size=best.shape)
+    lacking = survey.contacts(end, 0.0)
+    feet, others = cuts(survey, held, end, lacking)
+    assert len(feet.point) > 0
+    assert len(feet.point) + len(others.point) <= len(lacking.point)
+    rows = survey.problem.with_pairs(witness_table(survey, feet, asked_apart(feet), len(best)))
+    at = rows.inequalities
+    broken = gaps(rows, end)[np.arange(at.kind.shape[1]) < at.size[:, None]]
+    assert np.all(broken < 0.0)
+
+
+def test_a_budget_ends_a_repair_and_what_was_found_is_kept(task: Task, best: Array) -> None:
+    problem = task.problem()
+    pairs = asked_pairs(task.cell, asked_of(task).required)
+    survey = Survey(problem, pairs, Meter(problem, 1e-3))
+    with pytest.raises(OverError):
+        Basin(survey, between=True).repaired(best)

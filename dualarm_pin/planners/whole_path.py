@@ -32,6 +32,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Effort = Literal["quick", "normal", "thorough"]
+_SEARCHED = 0.5  # of a time limit is left to the search, where its paths may have to be moved apart
 
 
 def plan_global(
@@ -86,7 +87,8 @@ def plan_global(
     if never is not None:
         return never
     compile_s = engine.ensure_compiled(progress.line)
-    deadline = np.inf if time_limit is None else time.monotonic() + time_limit
+    begun, limit = time.monotonic(), np.inf if time_limit is None else time_limit
+    share = _SEARCHED if asked_of(task).any else 1.0
     search = Search(
         problem,
         budget,
@@ -95,7 +97,7 @@ def plan_global(
         solver=solver,
         progress=progress,
         starts=starts,
-        deadline=deadline,
+        deadline=begun + share * limit,
     )
     interrupted = _until_ctrl_c(search.run)
     found = search.best()
@@ -125,7 +127,7 @@ def plan_global(
             clock=clock,
             compile_s=compile_s,
             interrupted=interrupted,
-            deadline=deadline,
+            deadline=begun + limit,
             progress=progress,
             given=further,
             alternatives=alternatives,
