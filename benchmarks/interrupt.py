@@ -31,6 +31,7 @@ import numpy as np
 from dualarm_pin.answer.folder import save_result
 from dualarm_pin.cell import Cell
 from dualarm_pin.cli import main as command_line
+from dualarm_pin.motion.make import make_motion
 from dualarm_pin.planners.methods import plan
 from dualarm_pin.relative import Relative
 from dualarm_pin.task import Task
@@ -49,10 +50,15 @@ COMMANDS: dict[str, tuple[int, Callable[[Path], list[str]]]] = {
             "global", "--effort", "quick", "--jobs", "1", "--solver", "engine",
         ],
     ),
+    "motion": (3, lambda at: ["motion", f"{at}/result", "--law", "time_optimal"]),
+    "export": (
+        3, lambda at: ["export", f"{at}/result", "--to", "ros2", "--out", f"{at}/program"],
+    ),
     "view": (4, lambda at: ["view", f"{at}/result", "--html", f"{at}/page/page.html"]),
     "bench": (1, lambda at: ["bench", f"{at}/few.yaml", "--out", f"{at}/batch", "--jobs", "1"]),
 }  # fmt: skip
 """How often each is taken, and its arguments in a folder that `prepare` has filled."""
+RATED = {"acceleration_deg_s2": dict.fromkeys(["shoulder", "elbow"], 90)}
 SUITE = {"tasks": ["task.yaml"], "methods": ["local"], "seeds": 1, "time_limit": 60}
 PATIENCE = 120.0  # seconds until a command that was told to end has hung
 
@@ -106,16 +112,23 @@ def content(folder: Path) -> dict[str, Any]:
     return found
 
 
-def outcome(name: str, moment: random.Random, sound: Path, longest: dict[str, float]) -> str:
+def outcome(
+    name: str,
+    moment: random.Random,
+    sound: Path,
+    longest: dict[str, float],
+    whole: dict[str, set[str]],
+) -> str:
     """Stop one run of a command; return `old`, `new`, or what is wrong."""
     with tempfile.TemporaryDirectory(prefix="interrupt-") as top:
         folder = Path(top) / "at"
         shutil.copytree(sound, folder)
         arguments = COMMANDS[name][1](folder)
-        where = {"view": "page", "bench": "batch"}.get(name, "result")
+        where = {"view": "page", "bench": "batch", "export": "program"}.get(name, "result")
         old = content(folder / where)
         if name not in longest:
             code, longest[name] = run(arguments, folder, None, 0)
+            whole[name] = set(content(folder / where))
             return "new" if code == 0 else f"exit code {code}: {(folder / 'said').read_text()}"
         number = moment.choice([signal.SIGINT, signal.SIGTERM])
         code, _ = run(arguments, folder, moment.uniform(0.0, 1.1 * longest[name]), number)
@@ -130,9 +143,13 @@ def outcome(name: str, moment: random.Random, sound: Path, longest: dict[str, fl
             return f"half: {bad} {half}" if bad or half else "new" if code == 0 else "old"
         if now == old:
             return "old" if code or now else f"exit code 0, and nothing was written: {said}"
-        if set(now) != (set(old) or {"page.html"}):
+        # An answer without its motion is whole, where it was stopped while the motion was made.
+        answer = {file for file in whole[name] if not file.startswith("motion")}
+        allowed = [whole[name], answer] if name.startswith("solve") and code else [whole[name]]
+        if set(now) not in allowed:
             return f"files: {sorted(now)}"
-        same = [file for file in now if now[file] == old.get(file)]
+        made = [file for file in now if name != "motion" or "motion" in file or "json" in file]
+        same = [file for file in made if now[file] == old.get(file)]
         return f"of the old result: {same}" if same else "new"
 
 
@@ -144,10 +161,15 @@ def prepare(sound: Path) -> None:
     ends = [middle.tolist(), (middle + np.array([0.01, 0.0, 0.01])).tolist()]
     path = {"polyline": {"vertices": ends, "points": 5}, "free": "rotation"}
     task = mutations.TASK | {"path": path, "constraints": [], "solver": "clamped"}
+    arms = {arm: mutations.CELL["arms"][arm] | RATED for arm in ("arm1", "arm2")}
+    task |= {"cell": mutations.CELL | {"arms": arms}}
+    task |= {"motion": {"limits": ["velocity", "acceleration"]}}
     (sound / "task.yaml").write_text(json.dumps(task))
     shutil.rmtree(sound / "result")
     loaded = Task.load(sound / "task.yaml")
-    save_result(sound / "result", loaded, plan(loaded, "local"))
+    answer = plan(loaded, "local")
+    save_result(sound / "result", loaded, answer)
+    make_motion(loaded, answer).write(sound / "result")
 
 
 def main() -> int:
@@ -161,6 +183,7 @@ def main() -> int:
     names = [name for name in asked.commands for _ in range(COMMANDS[name][0])]
     counts: Counter[tuple[str, str]] = Counter()
     longest: dict[str, float] = {}
+    whole: dict[str, set[str]] = {}
     failed = 0
     with tempfile.TemporaryDirectory(prefix="interrupt-sound-") as top:
         sound = Path(top)
@@ -168,7 +191,7 @@ def main() -> int:
         (sound / "few.yaml").write_text(json.dumps(SUITE))
         for k in range(asked.moments + len(asked.commands)):
             name = asked.commands[k] if k < len(asked.commands) else moment.choice(names)
-            how = outcome(name, moment, sound, longest)
+            how = outcome(name, moment, sound, longest, whole)
             if how not in ("old", "new"):
                 failed += 1
                 print(f"FAILED {name}: {how}", flush=True)

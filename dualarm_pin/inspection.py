@@ -39,6 +39,11 @@ class Inspection:
     task: dict[str, Any] | None
     subject: Cell | Task
 
+    @property
+    def whole_cell(self) -> Cell:
+        """The cell itself."""
+        return self.subject.cell if isinstance(self.subject, Task) else self.subject
+
     def as_dict(self) -> dict[str, Any]:
         """Return everything as JSON values."""
         return {"cell": self.cell.as_dict(), "task": self.task}

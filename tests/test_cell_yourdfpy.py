@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import io
+import sys
+from dataclasses import replace
 
 import numpy as np
 import pinocchio as pin
@@ -12,8 +14,10 @@ from robot_table import NAMES, arguments, needs_robots
 
 from dualarm_pin.cell import Cell
 from dualarm_pin.cell.merged_urdf import merged_urdf
+from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.robot.packages import find_file
+from dualarm_pin.second_opinion import compare
 
 pytestmark = needs_robots
 BASE2 = pin.SE3(pin.rpy.rpyToMatrix(0.1, -0.2, 3.0), np.array([1.2, 0.3, 0.1]))
@@ -59,3 +63,25 @@ def test_yourdfpy_puts_both_tips_there_too(name: str) -> None:
             own = pose(theirs[number % len(theirs)], values, arm.tip)
             there = (placed.base.homogeneous @ own) if len(urdfs) == 2 else own
             np.testing.assert_allclose(there, ours, rtol=0, atol=1e-12)
+
+
+@pytest.mark.parametrize("name", NAMES[:2])
+def test_a_deep_check_agrees_and_sees_a_base_that_is_elsewhere(name: str) -> None:
+    cell = load(name)
+    found = compare(cell, postures=5)
+    assert found.agrees
+    shifted = pin.SE3(BASE2.rotation, BASE2.translation + 1e-6)
+    robots = [
+        replace(robot, base=shifted if at else robot.base) for at, robot in enumerate(cell._robots)
+    ]
+    if len(robots) == 2:
+        object.__setattr__(cell, "_robots", tuple(robots))
+        differing = compare(cell, postures=5)
+        assert not differing.agrees
+        assert "DIFFERS" in str(differing)
+
+
+def test_a_deep_check_without_yourdfpy_says_which_extra(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "yourdfpy", None)
+    with pytest.raises(MissingExtraError, match=r"dualarm-pin\[deep\]"):
+        compare(Cell.load(urdf_folder() / "cells" / "ns16_pair.yaml"))

@@ -14,7 +14,7 @@ PACKAGE = Path(__file__).resolve().parents[1] / "dualarm_pin"
 # From the roof down. A room imports from its own floor or below it; on one floor one way only.
 FLOORS = [
     {"cli", "__main__"},
-    {"bench", "paper", "inspection", "explain", "starter", "design"},
+    {"bench", "paper", "inspection", "second_opinion", "explain", "starter", "design"},
     {"planners", "show", "exports"},
     {"feed"},
     {"evidence"},

@@ -114,7 +114,7 @@ def test_a_number_or_name_that_is_too_much_says_what_is_allowed(change: str) -> 
     [
         ("starts", "1 to 1000000 is expected"),
         ("jobs", "1 to 1024 is expected"),
-        ("seed", f"0 to {2**128 - 1} is expected"),
+        ("seed", f"0 to {2**63 - 1} is expected"),
     ],
 )
 def test_an_option_that_is_too_much_says_what_is_allowed(

@@ -50,7 +50,7 @@ def solve(
     """
     from dualarm_pin.answer.folder import load_trajectory, save_result
     from dualarm_pin.answer.summary import alternatives_text, summary
-    from dualarm_pin.files.write import reserved
+    from dualarm_pin.files.write import reserved, uninterrupted
     from dualarm_pin.motion.limits import limits_of
     from dualarm_pin.motion.make import make_motion
     from dualarm_pin.motion.text import motion_text
@@ -80,11 +80,15 @@ def solve(
             alternatives=alternatives,
             progress=progress,
         )
-        save_result(folder, loaded, trajectory)
         made = None
-        if loaded.motion is not None and trajectory.found:
-            made = make_motion(loaded, trajectory)
-            made.write(folder)
+        try:
+            if loaded.motion is not None and trajectory.found:
+                made = make_motion(loaded, trajectory)
+        finally:  # a motion that cannot be made, or Ctrl-C, does not cost the answer
+            with uninterrupted():
+                save_result(folder, loaded, trajectory)
+                if made is not None:
+                    made.write(folder)
     print(summary(loaded, trajectory))
     if alternatives > 1 and trajectory.found:
         print(alternatives_text(trajectory))

@@ -16,7 +16,7 @@ HEAVIEST = 1e12  # weights compare unlike units, so they may be large
 MOST_POINTS = 100_000  # of a path: one solve of so many takes about ten seconds
 MOST_STARTS = 1_000_000  # days of work
 MOST_JOBS = 1024  # threads or processes of one machine
-LARGEST_SEED = 2**128 - 1  # as many bits as numpy mixes into a generator
+LARGEST_SEED = 2**63 - 1  # the largest whole number of most file formats
 
 Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
 Whole = Annotated[int, Field(ge=-LARGEST, le=LARGEST)]
