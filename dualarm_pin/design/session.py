@@ -143,17 +143,19 @@ class Session:
             UnknownNameError: There is no such joint.
             InputError: A number is wrong.
         """
-        if smoothness is not None:
-            if not 0.0 <= smoothness < np.inf:
-                raise InputError(f"is {smoothness}, must be 0 or more", field="smoothness")
-            self.task = self.task.with_smoothness(smoothness)
+        if smoothness is not None and not 0.0 <= smoothness < np.inf:
+            raise InputError(f"is {smoothness}, must be 0 or more", field="smoothness")
+        held = list(self._limits)
         for joint, (low, high) in (limits or {}).items():
             if joint not in self.task.cell.joint_names:
                 hint = nearest(joint, self.task.cell.joint_names)
                 raise UnknownNameError(f"there is no joint {joint!r}; {hint}", field="limits")
             if not (np.isfinite([low, high]).all() and low < high):
                 raise InputError(f"from {low} to {high} is no range", field=f"limits.{joint}")
-            self._limits[self.task.cell.joint_names.index(joint)] = (low, high)
+            held[self.task.cell.joint_names.index(joint)] = (low, high)
+        self._limits = held
+        if smoothness is not None:
+            self.task = self.task.with_smoothness(smoothness)
         self._state()
         return self._go(self._values)
 
