@@ -18,6 +18,7 @@ pytestmark = pytest.mark.browser
 
 # Where a part of the gizmo is on the screen: near its end, where nothing else is hit first.
 SPOT = """(part) => { const d = dualarm.design, g = d.gizmo, T = MeshCat.THREE, s = g.size;
+  g.stage.viewer.camera.updateMatrixWorld();
   const p = {x: [.9*s,0,0], y: [0,.9*s,0], z: [0,0,.9*s], yaw: [-.438*s,.438*s,0]}[part];
   const v = new T.Vector3(...p).applyMatrix4(g.group.matrixWorld).project(g.stage.viewer.camera);
   const b = g.stage.viewer.renderer.domElement.getBoundingClientRect();
@@ -131,7 +132,9 @@ def test_a_drag_beside_the_gizmo_turns_the_camera_and_moves_nothing(view):
 def test_a_finger_drags_too(view):
     x, y = view.page.evaluate(SPOT, "x")
     touch = view.page.context.new_cdp_session(view.page)
-    touch.send("Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]})
+    touch.send(
+        "Input.dispatchTouchEvent", {"type": "touchStart", "touchPoints": [{"x": x, "y": y}]}
+    )
     for step in range(1, 7):
         points = [{"x": x - 6 * step, "y": y - step}]
         touch.send("Input.dispatchTouchEvent", {"type": "touchMove", "touchPoints": points})
@@ -230,5 +233,3 @@ def test_it_fits_a_phone(address):
         phone.do("dualarm.design.idle()")
         assert phone.do("document.documentElement.scrollWidth") <= 390
         assert phone.complaints == []
-
-

@@ -31,6 +31,7 @@ from dualarm_pin.task.moved import moved_task
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
+    from dualarm_pin.problem import Problem
     from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -82,6 +83,8 @@ class Session:
         InputError: No start reaches the whole path where the cell stands.
     """
 
+    _problem: Problem
+
     def __init__(
         self, task: Task, *, size: int = 5, seed: int = 0, jobs: int | None = None
     ) -> None:
@@ -91,6 +94,8 @@ class Session:
         self._names = tuple(each.name for each in self._free)
         self._values = np.zeros(len(self._free))
         self._searched_at = self._values.copy()
+        bounds = zip(task.cell.lower.tolist(), task.cell.upper.tolist(), strict=True)
+        self._limits: list[tuple[float, float]] = list(bounds)
         self._pool = Pool(size)
         self._state()
         self._pool.add(self._problem, self._found())
@@ -229,9 +234,6 @@ class Session:
 
     def _state(self) -> None:
         """State the problem; afterwards only `chain.parameters` changes."""
-        if not hasattr(self, "_limits"):
-            cell = self.task.cell
-            self._limits = list(zip(cell.lower.tolist(), cell.upper.tolist(), strict=True))
         problem = self.task.problem()
         engine.compare(problem)
         lower, upper = np.array(self._limits).T
