@@ -19,7 +19,7 @@ from dualarm_pin.design.messages import State
 from dualarm_pin.design.session import Answer, Session
 from dualarm_pin.design.slopes import slopes_of
 from dualarm_pin.design.standing import stands
-from dualarm_pin.errors import InputError
+from dualarm_pin.errors import InputError, UnknownNameError, nearest
 from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.show.placement import save_with_cell
 from dualarm_pin.task.changed import changed_task
@@ -142,19 +142,20 @@ class Desk:
             thread.join(seconds)
 
     def _go(self, state: State) -> None:
-        before = self.session.task.cell
-        limits = dict(zip(before.joint_names, zip(before.lower, before.upper, strict=True)))
-        for joint in state.limits:
-            if joint not in limits:
-                self.session.set(limits=dict(state.limits))  # which says what is wrong
+        cell, known = self.session.task.cell, self.answer.change
+        for name in state.change:
+            if name not in known:
+                raise UnknownNameError(
+                    f"this cell has no parameter {name!r}; {nearest(name, known, 9)}", field="move"
+                )
         asked = (state.smoothness, dict(state.limits))
         if asked != self._asked:
+            bounds = zip(cell.lower.tolist(), cell.upper.tolist(), strict=True)
+            limits = dict(zip(cell.joint_names, bounds, strict=True))
             self.session.set(smoothness=state.smoothness, limits=limits | state.limits)
             self._asked = asked
         if state.change != self.state.change:
-            change = {name: state.change.get(name, 0.0) for name in self.answer.change}
-            unknown = {n: v for n, v in state.change.items() if n not in change}
-            places = {n: stands(before, n) + v for n, v in {**change, **unknown}.items()}
+            places = {name: stands(cell, name) + state.change.get(name, 0.0) for name in known}
             self.session.move(**{n.replace(".", "_", 1): v for n, v in places.items()})
         self.state = state
 

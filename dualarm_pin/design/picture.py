@@ -83,7 +83,7 @@ def index_along(task: Task, q: Array) -> Array:
         reported_value(task.index, Relative(task.cell, q_i), u, q_i, bounds)
         for q_i, u in zip(q, task.path.u, strict=True)
     ]
-    return np.nan_to_num(np.array(values, dtype=float), posinf=0.0, neginf=0.0)
+    return np.asarray(np.nan_to_num(np.array(values), posinf=0.0, neginf=0.0))
 
 
 def _said(here: Found) -> dict[str, Any]:

@@ -1,5 +1,6 @@
-"""The pages of `dualarm-pin design`: each has a session of its own, and they know nothing of each
-other. Only the newest few are kept: an older page is told to open again.
+"""The pages of `dualarm-pin design`: each has a session of its own and knows of no other.
+
+Only the newest few are kept: an older page is told to open again.
 """
 
 from __future__ import annotations

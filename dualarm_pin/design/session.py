@@ -31,6 +31,7 @@ from dualarm_pin.task.moved import moved_task
 from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
+    from dualarm_pin.problem import Problem
     from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -82,6 +83,8 @@ class Session:
         InputError: No start reaches the whole path where the cell stands.
     """
 
+    _problem: Problem
+
     def __init__(
         self, task: Task, *, size: int = 5, seed: int = 0, jobs: int | None = None
     ) -> None:
@@ -91,6 +94,8 @@ class Session:
         self._names = tuple(each.name for each in self._free)
         self._values = np.zeros(len(self._free))
         self._searched_at = self._values.copy()
+        bounds = zip(task.cell.lower.tolist(), task.cell.upper.tolist(), strict=True)
+        self._limits: list[tuple[float, float]] = list(bounds)
         self._pool = Pool(size)
         self._state()
         self._pool.add(self._problem, self._found())
@@ -143,17 +148,19 @@ class Session:
             UnknownNameError: There is no such joint.
             InputError: A number is wrong.
         """
-        if smoothness is not None:
-            if not 0.0 <= smoothness < np.inf:
-                raise InputError(f"is {smoothness}, must be 0 or more", field="smoothness")
-            self.task = self.task.with_smoothness(smoothness)
+        if smoothness is not None and not 0.0 <= smoothness < np.inf:
+            raise InputError(f"is {smoothness}, must be 0 or more", field="smoothness")
+        held = list(self._limits)
         for joint, (low, high) in (limits or {}).items():
             if joint not in self.task.cell.joint_names:
                 hint = nearest(joint, self.task.cell.joint_names)
                 raise UnknownNameError(f"there is no joint {joint!r}; {hint}", field="limits")
             if not (np.isfinite([low, high]).all() and low < high):
                 raise InputError(f"from {low} to {high} is no range", field=f"limits.{joint}")
-            self._limits[self.task.cell.joint_names.index(joint)] = (low, high)
+            held[self.task.cell.joint_names.index(joint)] = (low, high)
+        self._limits = held
+        if smoothness is not None:
+            self.task = self.task.with_smoothness(smoothness)
         self._state()
         return self._go(self._values)
 
@@ -227,9 +234,6 @@ class Session:
 
     def _state(self) -> None:
         """State the problem; afterwards only `chain.parameters` changes."""
-        if not hasattr(self, "_limits"):
-            cell = self.task.cell
-            self._limits = list(zip(cell.lower.tolist(), cell.upper.tolist(), strict=True))
         problem = self.task.problem()
         engine.compare(problem)
         lower, upper = np.array(self._limits).T

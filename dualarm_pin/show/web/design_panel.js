@@ -62,7 +62,7 @@ Object.assign(DA.Design.prototype, {
         if (Number.isFinite(value) && name in this.state.change) this.set({ [name]: value - this.standing(name) });
       });
       input.addEventListener("change", () => this.commit());
-      box.append(n("label", { "data-field": axis }, n("span", {}, axis === "yaw" ? "yaw [°]" : `${axis} [m]`), input));
+      box.append(n("label", { "data-field": axis }, n("span", {}, axis === "yaw" ? "yaw°" : `${axis} [m]`), input));
     }
     return n("div", {}, choose, box);
   },
@@ -86,12 +86,12 @@ Object.assign(DA.Design.prototype, {
     const n = DA.h, { state, task } = this, rows = [];
     this.updates = [];
     const least = task.smoothness > 0 ? Math.log10(task.smoothness) - 2 : -2;
-    rows.push(this.slider("λ (smoothness)", [least, least + 4, 0.01], () => (this.state.smoothness > 0 ? Math.log10(this.state.smoothness) : least), (v) => (this.state.smoothness = 10 ** v), () => DA.number(this.state.smoothness)));
+    rows.push(this.slider("λ", [least, least + 4, 0.01], () => (this.state.smoothness > 0 ? Math.log10(this.state.smoothness) : least), (v) => (this.state.smoothness = 10 ** v), () => DA.number(this.state.smoothness)));
     if (task.distances) {
       const given = task.clearance === null ? "off" : `${task.clearance} m`;
-      rows.push(this.slider("required clearance", [0, 0.3, 0.005], () => this.state.clearance ?? task.clearance ?? 0, (v) => (this.state.clearance = v), () => (this.state.clearance === null ? `${given}, as in the task` : `${this.state.clearance.toFixed(3)} m`)));
+      rows.push(this.slider("clearance", [0, 0.3, 0.005], () => this.state.clearance ?? task.clearance ?? 0, (v) => (this.state.clearance = v), () => (this.state.clearance === null ? `${given}, as in the task` : `${this.state.clearance.toFixed(3)} m`)));
     }
-    if ("tool2.length" in state.change) rows.push(this.slider("tool 2 longer by", [-0.3, 0.5, 0.005], () => this.state.change["tool2.length"], (v) => (this.state.change["tool2.length"] = v), (v) => `${v.toFixed(3)} m`));
+    if ("tool2.length" in state.change) rows.push(this.slider("tool 2 longer", [-0.3, 0.5, 0.005], () => this.state.change["tool2.length"], (v) => (this.state.change["tool2.length"] = v), (v) => `${v.toFixed(3)} m`));
     const columns = this.view.cell.columns;
     this.joint = n("select", { "aria-label": "Joint whose limits are changed", onchange: () => this.chooseJoint() }, columns.map((column, k) => n("option", { value: k }, column.name)));
     this.limits = n("div", {});
@@ -157,9 +157,9 @@ Object.assign(DA.Design.prototype, {
     }
     const { found } = shown, sure = Boolean(found && found.found && shown.valid), short = shown.near && shown.near.lacking;
     this.status.dataset.kind = sure ? "found" : shown.valid ? "follows" : "bad";
-    this.status.textContent = sure ? `Found and checked${shown.searching ? "; still searching" : ""}` : shown.valid ? `Best motion known${short ? ", nearer than required" : ""}; ${shown.searching ? "searching" : "not searched here"}` : `No motion here${shown.searching ? " yet" : ""}: ${shown.why} Grey: the last valid motion.`;
+    this.status.textContent = sure ? `Found and checked${shown.searching ? "; still searching" : ""}` : shown.valid ? `Best motion known${short ? ", nearer than required" : ""}; ${shown.searching ? "searching" : "not searched here"}` : `No motion here${shown.searching ? " yet" : ""}: ${shown.why}. Grey: the last valid motion.`;
     const by = shown.objective - start.objective, share = (100 * by) / Math.abs(start.objective || 1);
-    const sign = (v, digits) => `${v < 0 ? "−" : "+"}${Math.abs(v).toFixed(digits)}`;
+    const sign = (v, digits) => `${Number(v.toFixed(digits)) < 0 ? "−" : "+"}${Math.abs(v).toFixed(digits)}`;
     this.objective.replaceChildren(n("b", {}, shown.valid ? shown.objective.toFixed(4) : "–"), n("span", {}, shown.valid ? ` objective; ${sign(by, 4)} (${sign(share, 1)} %) since the start` : " objective"));
     this.basin.textContent = shown.valid ? `Way of moving no. ${shown.basin} of ${shown.pool.length} followed${this.changed ? `, since ${this.changed}` : ""}.` + (shown.pool.length > 1 ? ` Next best: ${shown.pool.slice(1, 4).map((v) => v.toFixed(3)).join(", ")}.` : "") : "";
     this.evidence.hidden = !found;

@@ -66,6 +66,7 @@ DA.Gizmo = class {
   ray(event, frame) {
     const T = MeshCat.THREE, canvas = this.stage.viewer.renderer.domElement, box = canvas.getBoundingClientRect();
     const at = new T.Vector2(((event.clientX - box.left) / box.width) * 2 - 1, 1 - ((event.clientY - box.top) / box.height) * 2);
+    this.stage.viewer.camera.updateMatrixWorld(); // it may have been turned since the last picture
     this.caster.setFromCamera(at, this.stage.viewer.camera);
     return frame ? this.caster.ray.clone().applyMatrix4(frame.clone().invert()) : this.caster.ray;
   }

@@ -26,7 +26,7 @@ window.dualarm.ready = (async () => {
   await new Promise((done, failed) => document.head.append(Object.assign(document.createElement("script"), { src: url, onload: done, onerror: failed })));
   URL.revokeObjectURL(url);
   const head = DA.unpack(await DA.unsqueeze("data"));
-  const player = new DA.Player(document.getElementById("player"), head, { strip: !head.results, title: head.title });
+  const player = new DA.Player(document.getElementById("player"), head, { strip: !head.results && !head.design, title: head.title });
   Object.assign(window.dualarm, {
     runs: head.runs.map((run) => run.label),
     links: [...player.on_stage[0].robot.frames.keys()],
