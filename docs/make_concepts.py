@@ -92,7 +92,8 @@ def index(ax: Axes) -> None:
         head = u / c**0.5
         ax.annotate("", head, (0, 0), arrowprops={"arrowstyle": "->", "color": colour, "lw": 2})
         ax.annotate(f"$c = {c:.2f}$ m², length {c**-0.5:.2f}", head, (8 * np.sign(u[0]), 4),
-                    textcoords="offset points", ha="left" if u[0] > 0 else "right", color=colour)  # fmt: skip
+                    textcoords="offset points", ha="left" if u[0] > 0 else "right",
+                    color=colour)  # fmt: skip
     ax.set(xlim=(-3.2, 3.2), ylim=(-1.45, 1.45), aspect="equal")
     ax.axis("off")
 
