@@ -53,8 +53,12 @@ def relative(ax: Axes) -> None:
                     ha="right" if arm == 1 else "left", color=colour)  # fmt: skip
     for (x, y), angle, name in (((1.5, 0.75), -40, "e1"), ((2.05, 1.0), 215, "e2")):
         for turn in (0, 90):
-            way = 0.22 * np.array([np.cos(np.radians(angle + turn)), np.sin(np.radians(angle + turn))])
-            ax.annotate("", (x + way[0], y + way[1]), (x, y), arrowprops={"arrowstyle": "->", "lw": 1.6})
+            way = 0.22 * np.array(
+                [np.cos(np.radians(angle + turn)), np.sin(np.radians(angle + turn))]
+            )
+            ax.annotate(
+                "", (x + way[0], y + way[1]), (x, y), arrowprops={"arrowstyle": "->", "lw": 1.6}
+            )
         ax.annotate(name, (x, y), (0, -20), textcoords="offset points", ha="center", weight="bold")
     _arrow(ax, (1.5, 0.75), (2.05, 1.0), "$T_{e1 e2}$", 0.10, GREEN)
     _arrow(ax, (0, 0), (3.4, 0), "$T_{b1 b2}$", -0.14, GREY)
@@ -63,7 +67,12 @@ def relative(ax: Axes) -> None:
 
 
 def _arrow(
-    ax: Axes, tail: tuple[float, float], head: tuple[float, float], text: str, up: float, colour: str
+    ax: Axes,
+    tail: tuple[float, float],
+    head: tuple[float, float],
+    text: str,
+    up: float,
+    colour: str,
 ) -> None:
     ax.annotate("", head, tail, arrowprops={"arrowstyle": "->", "color": colour, "lw": 2})
     middle = np.mean([tail, head], axis=0)
@@ -83,7 +92,8 @@ def index(ax: Axes) -> None:
         head = u / c**0.5
         ax.annotate("", head, (0, 0), arrowprops={"arrowstyle": "->", "color": colour, "lw": 2})
         ax.annotate(f"$c = {c:.2f}$ m², length {c**-0.5:.2f}", head, (8 * np.sign(u[0]), 4),
-                    textcoords="offset points", ha="left" if u[0] > 0 else "right", color=colour)  # fmt: skip
+                    textcoords="offset points", ha="left" if u[0] > 0 else "right",
+                    color=colour)  # fmt: skip
     ax.set(xlim=(-3.2, 3.2), ylim=(-1.45, 1.45), aspect="equal")
     ax.axis("off")
 
@@ -123,7 +133,9 @@ def clearance(ax: Axes) -> None:
     at, between = answer.checked.clearance, answer.checked.apart.between
     h = len(at.distance)
     ax.plot(np.arange(1, h + 1), at.distance, "o", color=BLUE, ms=4, label="at the points")
-    ax.stairs(between, np.arange(1, h + 1), color=ORANGE, baseline=None, label="on the way to the next")
+    ax.stairs(
+        between, np.arange(1, h + 1), color=ORANGE, baseline=None, label="on the way to the next"
+    )
     ax.axhline(0.02, color=GREY, ls="--", label="asked for")
     ax.set_ylim(bottom=0.0)
     _finish(ax, "point", "smallest distance [m]")

@@ -12,11 +12,11 @@ import sys
 import tempfile
 from pathlib import Path
 
+from generate import RESULTS, live_page
 from make_pictures import open_browser, write_picture
 from PIL import Image
 
 from dualarm_pin.files.resources import urdf_folder
-from generate import RESULTS, live_page
 
 ASSETS = RESULTS.parent / "manual" / "assets"
 TASKS = urdf_folder() / "tasks"
@@ -67,9 +67,7 @@ def draw(gallery: str) -> None:
         file = Path(folder) / "page.html"
         file.write_bytes(live_page(gallery))
         width, height = SIZE
-        page = browser.new_page(
-            viewport={"width": width, "height": height}, color_scheme="light"
-        )
+        page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light")
         page.goto(file.as_uri())
         page.evaluate("dualarm.ready.then(() => true)")
         page.evaluate(f"dualarm.seek({PLACES[gallery]})")

@@ -2,7 +2,7 @@
 
     python docs/run_page.py docs/manual/start.md [--write]
 
-A block with a caption is a file, a block `sh` is run in its folder, and the block `text` below it is
+A block with a caption is a file, a block `sh` is run in its folder, and a block `text` below it is
 what it prints. Numbers may differ by a hundredth, times and what is said about compiling may differ
 freely. `--write` puts what was printed into the page instead. Ends with 1 where a command fails or
 prints something else.
