@@ -30,7 +30,7 @@ def design(
         port: Port of the local page; a free one by default.
         browser: Open the page in the browser.
         seed: Seed of the searches.
-        jobs: Threads of a search; all processors by default.
+        jobs: Threads of a search; all processors but one by default.
         set_: Change a field of the task or cell: key=value, such as smoothness=30.
         allow_code: Import and run the functions that the task file names with `call`.
     """

@@ -6,6 +6,7 @@ lock free. So following goes on meanwhile.
 
 from __future__ import annotations
 
+import os
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -55,7 +56,7 @@ class Desk:
     Args:
         task: The task; its cell is where the session starts.
         seed: Seed of the searches.
-        jobs: Threads of a search.
+        jobs: Threads of a search; all processors but one if None.
 
     Attributes:
         session: The session; only under `lock`.
@@ -72,7 +73,9 @@ class Desk:
         self.state = State(smoothness=task.smoothness)
         self.found: Found | None = None
         self.lock = threading.RLock()
-        self._given, self._seed, self._jobs = task, seed, jobs
+        self._seed = seed
+        # One processor is left to what follows.
+        self._jobs = jobs or max(1, (os.cpu_count() or 1) - 1)
         self._asked = (task.smoothness, dict[str, tuple[float, float]]())
         self._last = self.session.answer.q
         self._motions: dict[int, Array] = {}

@@ -166,7 +166,7 @@ Object.assign(DA.Design.prototype, {
     if (found) this.evidence.lastChild.textContent = [found.message, found.sentences].filter(Boolean).join("\n");
     if (shown.near) {
       const { names, distance, point, required } = shown.near;
-      this.near.textContent = `${distance.toFixed(3)} m at point ${point}: ${names.join(" – ")}; ${required === null ? "no distance is asked for" : `required ${required.toFixed(3)} m`}${short ? "; TOO NEAR" : ""}`;
+      this.near.textContent = `${distance.toFixed(3)} m at point ${point}: ${names.join(" – ")}; ${required === null ? "no distance is asked for" : `required ${required.toFixed(3)} m`}${short ? (distance < 0 ? "; they collide" : "; too near") : ""}`;
       this.near.classList.toggle("short", Boolean(short));
     } else this.near.textContent = "–";
     const series = this.chart.spec.series[0];
