@@ -79,7 +79,10 @@ def _line(program):
         (["nowhere"], "nowhere/result.json: no such file: give the folder that `solve --out`"),
         ([], "RESULT"),
         (["{0}", "--port", "70000", "--no-browser"], "--port: port 70000 cannot be used"),
-        (["{0}", "--html", "{0}/result.json/x.html"], "result.json: cannot write here: File exists"),
+        (
+            ["{0}", "--html", "{0}/result.json/x.html"],
+            "result.json: cannot write here: File exists",
+        ),
     ],
 )
 def test_wrong_input_is_one_message(folders, arguments, message):

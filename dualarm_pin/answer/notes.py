@@ -86,8 +86,8 @@ class PlacementNotes:
         change: Change of each parameter from where the cell stood [m or rad].
         flat: Directions along which the objective does not change, in words.
         at_bound: Parameters that ended at an end of their box.
-        rounds: Rounds of the search, and those that ended in this placement.
-        rounds_here: The same.
+        rounds: Rounds of the search.
+        rounds_here: Those that ended in this placement.
         starts: Random places drawn.
     """
 
