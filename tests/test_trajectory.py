@@ -82,7 +82,7 @@ def test_what_is_saved_is_read_back_as_the_same_typed_record(
 def test_every_method_has_notes_that_are_read_back(tmp_path: Path) -> None:
     values = {"bool": True, "bool | None": True, "int": 3, "float": 0.5, "str": "quick"}
     values |= {"tuple[int, ...]": (1, 2), "tuple[float, ...]": (0.5, 2.0)}
-    values |= {"dict[str, float]": {"base x": 0.5}}
+    values |= {"dict[str, float]": {"base x": 0.5}, "tuple[str, ...]": ("yaw",)}
     for method, record in NOTES.items():
         notes = record(**{f.name: values[str(f.type)] for f in fields(record)})
         save_trajectory(tmp_path, replace(answer(), method=method, notes=notes))
