@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
 import numpy as np
@@ -14,6 +15,7 @@ from patience import LONG
 from dualarm_pin import indices
 from dualarm_pin.engine.jit.identity import identity_of
 from dualarm_pin.engine.jit.jitted import jitted
+from dualarm_pin.engine.jit.kept_module import kept_module
 
 SOURCE = """
 import numpy as np
@@ -124,3 +126,10 @@ def test_later_processes_load_what_the_first_compiled(tmp_path):
     (tmp_path / "mine.py").write_text(MINE.replace("A[2, 2]", "A[2, 2] + 1.0"))
     assert compiled_by(started(tmp_path, home)) > 0
     assert compiled_by(started(tmp_path, "/dev/null")) > 0  # no home to write into: it works anew
+
+
+def test_threads_that_ask_at_once_get_the_whole_module() -> None:
+    text = "import time\ntime.sleep(0.2)\nentry = 1\n"
+    with ThreadPoolExecutor(4) as pool:
+        asked = [pool.submit(kept_module, text, [b"threads"]) for _ in range(4)]
+    assert [each.result().entry for each in asked] == [1, 1, 1, 1]

@@ -11,6 +11,7 @@ import importlib.util
 import os
 import sys
 import tempfile
+import threading
 from collections.abc import Iterable
 from functools import cache
 from pathlib import Path
@@ -19,6 +20,7 @@ from typing import Any
 import numba
 
 _ONE_TIME = (1, 1)  # s: numba compares times, and two processes may write the same file
+_MAKING = threading.RLock()  # a module that another thread still runs has no entry yet
 
 
 def kept_module(text: str, depends_on: Iterable[bytes], **given: Any) -> Any:
@@ -33,6 +35,11 @@ def kept_module(text: str, depends_on: Iterable[bytes], **given: Any) -> Any:
     for part in depends_on:
         digest.update(hashlib.sha256(part).digest())
     name = f"function_{digest.hexdigest()[:20]}"
+    with _MAKING:
+        return _module(name, text, given)
+
+
+def _module(name: str, text: str, given: dict[str, Any]) -> Any:
     if name in sys.modules:
         return sys.modules[name]
     file = _folder() / f"{name}.py"
@@ -48,7 +55,11 @@ def kept_module(text: str, depends_on: Iterable[bytes], **given: Any) -> Any:
     module = importlib.util.module_from_spec(spec)
     vars(module).update(given)
     sys.modules[name] = module
-    spec.loader.exec_module(module)
+    try:
+        spec.loader.exec_module(module)
+    except BaseException:
+        del sys.modules[name]  # the next call tries again
+        raise
     return module
 
 
