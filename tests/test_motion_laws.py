@@ -180,3 +180,10 @@ def test_a_motion_reads_as_a_few_lines() -> None:
     assert "time optimal" in text
     assert "mechanical work" in text
     assert "held by" in text
+
+
+def test_a_torque_above_a_limit_that_is_not_kept_is_said() -> None:
+    """Limits of some joints alone are not kept, and a motion far above them must not look sound."""
+    text = motion_text(case("motion.law=constant_feed", "cell.torque={joint_2: 1}")[1])
+    assert "ABOVE ITS LIMIT: torque limits are not kept" in text
+    assert "ABOVE" not in motion_text(case("motion.law=time_optimal", TORQUE)[1])

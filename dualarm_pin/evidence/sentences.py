@@ -40,7 +40,8 @@ def tries(found: Searches) -> str:
         return (
             f"{text}{'' if found.hits == count else f', {others}: a better path may well exist'}."
         )
-    text = f"Best of {count} rounds of starts and {found.hops} hops"
+    rounds = "round" if count == 1 else "rounds"
+    text = f"Best of {count} {rounds} of starts and {found.hops} hops"
     if found.hits >= _FOUND_TWICE:
         return f"{text}, found by {found.hits} rounds each by itself."
     if count == 1:

@@ -30,6 +30,11 @@ def motion_text(motion: Motion) -> str:
         worst = max(s.torques, key=lambda use: use.largest_share or 0.0)
         energy = sum(use.energy for use in s.torques)
         share = "" if worst.largest_share is None else f" ({worst.largest_share:.0%})"
+        if (worst.largest_share or 0.0) > 1.0 and "torque" not in kinds_of(s):
+            # Kept only where the limits and masses of all joints are known.
+            share += (
+                " ABOVE ITS LIMIT: torque limits are not kept, `motion.limits` can ask for them"
+            )
         lines.append(
             f"torque       largest {worst.largest:.4g} N m by {worst.joint}{share}, mechanical work"
             f" {energy:.4g} J; {s.torque_note}"
