@@ -66,7 +66,7 @@ def run(text: str, folder: Path) -> list[str]:
             done = subprocess.run(
                 ["bash", "-euc", block["body"]],
                 cwd=folder,
-                env=os.environ | {"COLUMNS": "100"},
+                env=os.environ | {"COLUMNS": "100", "PATH": _path()},
                 stdin=subprocess.DEVNULL,
                 stdout=subprocess.PIPE,
                 stderr=subprocess.STDOUT,
@@ -78,6 +78,11 @@ def run(text: str, folder: Path) -> list[str]:
                 raise SystemExit(f"{block['body']}ended with {done.returncode}:\n{output}")
             printed.append(output)
     return printed
+
+
+def _path() -> str:
+    """Return PATH with the folder of this Python first: its programs are the ones a page names."""
+    return os.pathsep.join([str(Path(sys.executable).parent), os.environ.get("PATH", os.defpath)])
 
 
 def shown(text: str) -> Iterator[tuple[str, re.Match[str] | None]]:
