@@ -13,7 +13,7 @@ from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.clearance.extent import corners_of
-from dualarm_pin.engine.solve import gaps
+from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.evidence.check import check_held, polished
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners.apart import held_problem
