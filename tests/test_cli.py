@@ -105,7 +105,7 @@ BAD = {
     ),
     "no path": ({"path": ""}, "path: this key is missing"),
     "joint weights": ({"index": "{force: {joint_weights: [1, 2]}}"}, "weight for each of 12"),
-    "Gamma": ({"two_stage": "{Gamma: [1, 4]}"}, "two_stage.Gamma: expected increasing"),
+    "Gamma": ({"two_stage": "{Gamma: [1, 4]}"}, "small.yaml:5: two_stage.Gamma: expected"),
     "not YAML": ({"path": "{corner: [}"}, "small.yaml:2: not valid YAML"),
 }
 
