@@ -123,11 +123,20 @@ def test_a_gate_that_does_not_hold_is_exit_code_1_and_a_bad_suite_2(tmp_path, ru
     assert not (tmp_path / "other").exists()
 
 
-def test_keep_all_and_none(tmp_path):
+@pytest.fixture(scope="module")
+def one_worker():
+    """Give the address of a cluster for batches to which it does not matter where they run."""
+    from dualarm_pin.bench.work.cluster import workers
+
+    with workers(1, None) as client:
+        yield client.scheduler.address
+
+
+def test_keep_all_and_none(tmp_path, one_worker):
     for keep, folders in (("all", {"best", "runs"}), ("none", set())):
         file = write_suite(tmp_path, [fake("quick", "a/b <c>")], 2, f"keep: {keep}\n")
         out = tmp_path / keep
-        run_suite(Suite.load(file, allow_code=True), out, jobs=1)
+        run_suite(Suite.load(file, allow_code=True), out, address=one_worker)
         assert {p.name for p in out.iterdir() if p.is_dir()} == folders
         if keep == "all":
             kept = [load_trajectory(folder) for folder in (out / "runs").iterdir()]
@@ -158,13 +167,12 @@ def test_a_row_that_no_run_left_is_refused(tmp_path, field, value):
         run_suite(suite, log.parent, resume=True)
 
 
-def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
+def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path, one_worker):
     out = tmp_path / "out"
-    run_suite(
-        Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3), allow_code=True), out, jobs=1
-    )
+    first = Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3), allow_code=True)
+    run_suite(first, out, address=one_worker)
     renamed = Suite.load(write_suite(tmp_path, [fake("quick", "new name")], 2), allow_code=True)
-    batch = run_suite(renamed, out, resume=True)
+    batch = run_suite(renamed, out, address=one_worker, resume=True)
     assert batch.done_before == 2
     assert [(row["method"], row["seed"]) for row in batch.rows] == [
         ("new name", 0),
