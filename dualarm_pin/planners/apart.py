@@ -95,7 +95,7 @@ def plan_apart(
     for path in apart.found[:_CHECKED]:  # the check looks closer than the repair
         q = _polished(basin, path)
         held = held_problem(task, survey, path)
-        evidence = local_evidence(held, q, _said(apart, apart.hits(path)), free.constant)
+        evidence = local_evidence(held, q, _said(apart, apart.hits(path), effort), free.constant)
         answer = verified(
             task, free.whole(q), timing=clock.read(compile_s), evidence=evidence, **provenance
         )
@@ -116,11 +116,13 @@ def _polished(basin: Basin, path: Repaired) -> Array:
     return q if basin.keeps(q) else path.q
 
 
-def _said(apart: Apart, hits: int) -> str:
-    """Return how a path was found, in words."""
+def _said(apart: Apart, hits: int, effort: str) -> str:
+    """Return how a path was found, in words, and what to do for a better one."""
+    more = next((name for name, e in EFFORTS.items() if e.work > EFFORTS[effort].work), None)
+    advice = "" if more is None else f": --effort {more} tries more"
     return (
         f"With clearance: {apart.tried} paths were moved apart or tried to be, {len(apart.found)} "
-        f"came apart, {hits} of them as this one; others may be better. The local "
+        f"came apart, {hits} of them as this one; others may be better{advice}. The local "
         "check holds the bodies by planes between them."
     )
 
