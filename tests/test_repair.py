@@ -21,9 +21,9 @@ from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.repair.basin import Basin, inner_postures
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
-from dualarm_pin.repair.known import Known
+from dualarm_pin.repair.known import Known, Measured
 from dualarm_pin.repair.meter import Meter, OverError
-from dualarm_pin.repair.survey import Survey
+from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.task import Task
 
@@ -127,15 +127,30 @@ def test_the_answer_is_found_only_where_the_check_confirms_every_pair(task: Task
 
 
 def test_a_distance_that_is_known_from_a_nearby_pose_is_never_too_large(survey: Survey) -> None:
-    points, _ = survey.pairs.hulls[0]
-    known, random = Known(points), np.random.default_rng(4)
+    points, radius = survey.pairs.hulls[0]
+    known, random = Known(box_around(points, radius)), np.random.default_rng(4)
     pose = np.eye(4)
-    known.add(pose, 0.2)
-    assert known.least(pose) == (0.2, False)
+    measured = Measured(0.2, np.zeros(3), np.ones(3))
+    known.add(pose, 0.2, measured)
+    assert known.least(pose) == (0.2, False, measured)
     for _ in range(20):
         moved = pin.exp6(random.normal(scale=0.05, size=6)).homogeneous
         away = np.linalg.norm(points @ moved[:3, :3].T + moved[:3, 3] - points, axis=1).max()
         assert known.least(moved)[0] <= 0.2 - away + 1e-12
+        assert known.least(moved)[2] is None
+
+
+def test_what_is_measured_again_nearby_is_what_is_measured_anew(task: Task, survey: Survey) -> None:
+    random = np.random.default_rng(7)
+    q = random.uniform(task.cell.lower, task.cell.upper, (20, task.cell.n))
+    survey.contacts(q, 0.1)
+    for shift in (0.0, 1e-3, 0.05):
+        near = q + shift * random.normal(size=q.shape)
+        again = survey.contacts(near, 0.1)
+        anew = Survey(task.problem(), survey.pairs).contacts(near, 0.1)
+        np.testing.assert_array_equal(again.point, anew.point)
+        np.testing.assert_array_equal(again.pair, anew.pair)
+        np.testing.assert_allclose(again.distance, anew.distance, atol=2e-4)
 
 
 def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, best: Array) -> None:

@@ -32,6 +32,7 @@ _MU = 1e-3  # a start is nearly the answer
 _LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
 _LED_MU = 1e-2  # capsules move it far
 _SLACK = 1e-4  # m: what lacks less leaves room for what is between the postures looked at
+_ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
 _DIP = 1.1  # times what lacks between two points is asked of both
 
 
@@ -67,9 +68,11 @@ class Basin:
 
     def keeps(self, q: Array) -> bool:
         """Tell whether the bodies of a path (k, n) are far enough apart as it is."""
-        if not self.survey.contacts(q, 0.0).kept.all():
-            return False
-        return not self.between or bool(self.survey.contacts(inner_postures(q), 0.0).kept.all())
+        for postures in (q, inner_postures(q)) if self.between else (q,):
+            found = self.survey.contacts(postures, 0.0, enough=TOLERANCE.clearance)
+            if not found.kept.all():
+                return False
+        return True
 
     def repaired(
         self, q: Array, reduction: float | None = None, limit: float = np.inf
@@ -84,12 +87,17 @@ class Basin:
         if reduction is not None:
             q = self._led(q, reduction)
         extra = np.zeros((len(self.survey.pairs.number), len(q)))
-        found = self._apart(q, extra, limit)
+        found, kept = self._apart(q, extra, limit), None
         for _ in range(_MORE_ROUNDS if self.between else 0):
-            if found is None or not self._add_dips(found.q, extra):
+            if found is None:
+                break
+            lack = self._add_dips(found.q, extra)
+            if lack <= _ENOUGH and (kept is None or found.objective < kept.objective):
+                kept = found
+            if lack <= _SLACK:
                 return found
             found = self._apart(found.q, extra, limit)
-        return None if self.between else found
+        return kept if self.between else found
 
     def _apart(self, q: Array, extra: Array, limit: float) -> Repaired | None:
         """Return the end of rounds of witness rows, `extra` (p, k) asked beyond what is [m]."""
@@ -168,15 +176,22 @@ class Basin:
         self.survey.meter.solved(end.iterations, problem.k, rows)
         return end
 
-    def _add_dips(self, q: Array, extra: Array) -> bool:
-        """Add what lacks between the points to both ends (p, k); tell whether anything does."""
+    def _add_dips(self, q: Array, extra: Array) -> float:
+        """Add what lacks between the points to both ends (p, k).
+
+        Returns:
+            The most that does [m]; infinite where bodies meet.
+        """
         contacts = self.survey.contacts(inner_postures(q), 0.0)
-        lacking = contacts.take(contacts.lack > _SLACK)
+        meet = contacts.distance <= 0.0
+        lacking = contacts.take((contacts.lack > _SLACK) | meet)
         dips = np.zeros((len(extra), len(q) - 1))
-        np.maximum.at(dips, (lacking.pair, lacking.point // INNER), _DIP * lacking.lack)
+        np.maximum.at(
+            dips, (lacking.pair, lacking.point // INNER), _DIP * np.maximum(lacking.lack, _SLACK)
+        )
         extra[:, :-1] += dips
         extra[:, 1:] += dips
-        return len(lacking.point) > 0
+        return np.inf if meet.any() else contacts.worst
 
 
 def inner_postures(q: Array) -> Array:
