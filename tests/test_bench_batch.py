@@ -143,6 +143,30 @@ def test_keep_all_and_none(tmp_path):
             assert sorted(t.q[0, 0] for t in kept) == [0.0, 0.01]
 
 
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("found", "yes"),
+        ("status", None),
+        ("objective", [1]),
+        ("max_bound_violation", "0"),
+        ("index", [10**30]),
+        ("reason", "half a letter \ud800"),
+    ],
+)
+def test_a_row_that_no_run_left_is_refused(tmp_path, field, value):
+    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")], 2), allow_code=True)
+    rows = [perform(run, keep=False).row(run) for run in suite.runs]
+    (tmp_path / "out").mkdir()
+    log = tmp_path / "out" / "rows.jsonl"
+    log.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    assert run_suite(suite, log.parent, resume=True).done_before == 2
+    rows[1][field] = value
+    log.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    with pytest.raises(InputError, match=rf"rows.jsonl:2: {field}: not a row of a batch"):
+        run_suite(suite, log.parent, resume=True)
+
+
 def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
     out = tmp_path / "out"
     run_suite(

@@ -228,7 +228,9 @@ def test_two_stages_take_a_solver_too(mine: Path, jobs: int) -> None:
 
 
 @pytest.mark.parametrize("solver", [dp.solvers.Slsqp(), dp.solvers.Casadi("ipopt")])
-def test_the_shipped_solvers_stay_at_a_minimum_or_find_a_better_one(solver: dp.Solver) -> None:
+def test_the_shipped_solvers_stay_at_a_minimum_or_find_a_better_one(
+    solver: dp.solvers.Solver,
+) -> None:
     if isinstance(solver, dp.solvers.Casadi):
         pytest.importorskip("casadi")
     task = task_in_python()

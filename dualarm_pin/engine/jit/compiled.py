@@ -20,6 +20,12 @@ from numba.core import codegen
 from numba.core.compiler_lock import global_compiler_lock
 
 F = TypeVar("F", bound=Callable[..., Any])
+_RECORDS = (
+    "chain.py",
+    *(f"problem/{name}.py" for name in ("bounds", "links", "points", "terms")),
+    "rows/capsules.py",
+    "rows/table.py",
+)
 
 _njit: Any = numba.njit
 _cfunc: Any = numba.cfunc
@@ -153,10 +159,7 @@ def source_stamp() -> int:
     """Return a number that changes with any source file of the engine or its records."""
     digest = hashlib.sha256()
     engine = Path(__file__).parents[1]
-    records = [
-        engine.parent / name
-        for name in ("chain.py", "problem.py", "rows/table.py", "rows/capsules.py")
-    ]
+    records = [engine.parent / name for name in _RECORDS]
     for file in sorted([*engine.rglob("*.py"), *records]):
         digest.update(file.read_bytes())
     return int.from_bytes(digest.digest()[:6], "big")
