@@ -28,8 +28,8 @@ from dualarm_pin.repair.basin import Basin, inner_postures
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
 from dualarm_pin.repair.known import Known, Measured
-from dualarm_pin.repair.meter import Meter, OverError
-from dualarm_pin.repair.pool import EFFORTS
+from dualarm_pin.repair.meter import LongError, Meter, OverError
+from dualarm_pin.repair.pool import EFFORTS, keep_apart
 from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.show.report_tables import tables_of
@@ -198,6 +198,48 @@ def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, b
     at = rows.inequalities
     broken = gaps(rows, end)[np.arange(at.kind.shape[1]) < at.size[:, None]]
     assert np.all(broken < 0.0)
+
+
+def test_more_room_on_one_line_moves_a_pair_apart_there(
+    task: Task, survey: Survey, basin: Basin, best: Array
+) -> None:
+    path = basin.repaired(best)
+    assert path is not None
+    between = survey.contacts(inner_postures(path.q), 0.1)
+    tightest = int(np.argmax(between.lack))
+    pair, line = int(between.pair[tightest]), int(between.point[tightest]) // 3
+    wider = basin.roomier(path, pair, line, 5e-3)
+    assert wider is not None
+    ends = wider.q[line : line + 2]
+    distance = [task.cell.distances(x)[survey.pairs.number[pair]] for x in ends]
+    assert min(distance) > survey.pairs.required[pair] + 4e-3
+    assert np.all(wider.extra >= path.extra)
+
+
+def test_ctrl_c_keeps_what_came_apart_so_far(
+    survey: Survey, best: Array, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> Array:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("dualarm_pin.repair.pool.walked", interrupted)
+    minima = [(survey.problem.objective(best), best)]
+    apart = keep_apart(Basin(survey, between=True), minima, EFFORTS["quick"], seed=0, jobs=1)
+    assert apart.cut
+    assert apart.best is not None
+    assert apart.tried == 1
+
+
+def test_one_path_may_cost_a_share_of_the_budget(task: Task) -> None:
+    meter = Meter(task.problem(), 1.0)
+    meter.allow(0.5)
+    meter.solved(0, 1, 0)
+    with pytest.raises(LongError):
+        for _ in range(4000):
+            meter.meshes()
+    meter.allow(np.inf)
+    meter.meshes()
+    assert 0.5 < meter.spent < 0.6
 
 
 def test_a_budget_ends_a_repair_and_what_was_found_is_kept(task: Task, best: Array) -> None:

@@ -46,6 +46,7 @@ class Repaired:
         problem: The problem with the rows that hold it there.
         contacts: What these rows were made of.
         apart: (c,) how far apart they were asked to be [m].
+        extra: (p, k) what was asked of pairs at points beyond what is required [m].
     """
 
     q: Array
@@ -53,6 +54,7 @@ class Repaired:
     problem: Problem
     contacts: Contacts
     apart: Array
+    extra: Array
 
 
 class Basin:
@@ -75,7 +77,12 @@ class Basin:
         return True
 
     def repaired(
-        self, q: Array, reduction: float | None = None, limit: float = np.inf
+        self,
+        q: Array,
+        reduction: float | None = None,
+        limit: float = np.inf,
+        *,
+        margin: float = 0.0,
     ) -> Repaired | None:
         """Return where a path (k, n) leads, or None where its bodies do not come apart.
 
@@ -83,10 +90,34 @@ class Basin:
             q: A path, nearly a minimum of the problem without rows of pairs.
             reduction: Of the capsules that lead [m]; None for witness rows alone.
             limit: Objective above which nothing is looked for.
+            margin: Asked of bodies of different arms at first, beyond what is required [m].
         """
+        if margin > 0.0:
+            more = np.zeros((len(self.survey.pairs.number), len(q)))
+            more[self.survey.pairs.loose] = margin
+            wider = self._apart(q, more, np.inf)
+            if wider is None:
+                return None
+            q = wider.q
         if reduction is not None:
             q = self._led(q, reduction)
-        extra = np.zeros((len(self.survey.pairs.number), len(q)))
+        return self._kept(q, np.zeros((len(self.survey.pairs.number), len(q))), limit)
+
+    def roomier(self, path: Repaired, pair: int, line: int, lack: float) -> Repaired | None:
+        """Return where a path leads with more room for a pair on the line after a point.
+
+        Args:
+            path: The path.
+            pair: Which.
+            line: After which point; before the first one for -1.
+            lack: What is missing there [m].
+        """
+        extra = path.extra.copy()
+        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, _ENOUGH)
+        return self._kept(path.q, extra, np.inf)
+
+    def _kept(self, q: Array, extra: Array, limit: float) -> Repaired | None:
+        """Return the end of rounds at the points and then between them; `extra` is changed."""
         found, kept = self._apart(q, extra, limit), None
         for _ in range(_MORE_ROUNDS if self.between else 0):
             if found is None:
@@ -144,7 +175,7 @@ class Basin:
             found = survey.contacts(end.q, REACH, extra)
             if found.worst <= most:
                 value = end.objective if end.feasible else np.inf
-                return Repaired(end.q, value, problem, held, apart), found, corners
+                return Repaired(end.q, value, problem, held, apart, extra.copy()), found, corners
             feet, others = cuts(survey, held, end.q, found.take(found.lack > 0.0))
             corners, held, start = corners.joined(feet), held.joined(feet).joined(others), end.q
         path = end.q
@@ -153,7 +184,7 @@ class Basin:
             found = survey.contacts(path, REACH, extra)
             if found.worst <= max(most, _SLIP):
                 break
-        return Repaired(path, np.inf, problem, held, apart), found, corners
+        return Repaired(path, np.inf, problem, held, apart, extra.copy()), found, corners
 
     def _led(self, q: Array, reduction: float) -> Array:
         """Return where capsules with reduced radii lead a path; rows are added as they are met."""
