@@ -15,6 +15,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.repair.covers import cover, hull_of
 from dualarm_pin.rows.table import CAPSULES, RowTable, pair_table
 from dualarm_pin.solution import Flags
+from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
@@ -47,6 +48,7 @@ class Pairs(NamedTuple):
         ends: (p, 2, 2, 3) segments of the capsules around them, in the frames of these joints [m].
         radius: (p, 2) of the capsules [m].
         tight: (p,) whether the capsules say something about the bodies.
+        loose: (p,) whether the bodies move with different arms, or one of them stands.
         hulls: Points and a radius whose hull holds the second body, in the frame of its joint [m].
     """
 
@@ -57,6 +59,7 @@ class Pairs(NamedTuple):
     ends: Array
     radius: Array
     tight: Array
+    loose: Flags
     hulls: tuple[tuple[Array, float], ...]
 
 
@@ -77,11 +80,13 @@ def asked_pairs(cell: Cell, required: Array) -> Pairs:
     return Pairs(
         number=chosen,
         names=tuple(names[k] for k in chosen),
-        required=required[chosen],
+        # Contact is not allowed, and what is asked for is missed by up to the tolerance.
+        required=np.maximum(required[chosen], TOLERANCE.clearance),
         joint=np.array([[joints[b] for b in pair] for pair in both], np.int64).reshape(-1, 2),
         ends=np.array([[covers[b].ends for b in pair] for pair in both]).reshape(-1, 2, 2, 3),
         radius=np.array([[covers[b].radius for b in pair] for pair in both]).reshape(-1, 2),
         tight=np.array([all(covers[b].tight for b in pair) for pair in both], dtype=bool),
+        loose=cell.apart_by_nature[chosen],
         hulls=tuple(hulls[second] for _, second in both),
     )
 
