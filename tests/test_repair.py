@@ -17,7 +17,7 @@ from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.clearance.extent import corners_of
-from dualarm_pin.engine.solve import gaps
+from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.evidence.ascent import BoundOptions
 from dualarm_pin.evidence.check import check_held, polished
 from dualarm_pin.evidence.piece_search import SearchOptions

@@ -150,7 +150,7 @@ class Scene:
             "e2": _placed("e2", e2.parentJoint, e2.placement),
             "bodies": [
                 _placed(item.name, item.parentJoint, item.placement)
-                | {"mesh": mesh, "kind": kind, "colour": _colour(item), "of": _body_name(item)}
+                | {"mesh": mesh, "kind": kind, "colour": colour_of(item), "of": _body_name(item)}
                 for kind, geometry in (("visual", cell.visual), ("collision", cell.collision))
                 for item in geometry.geometryObjects
                 if (mesh := self._mesh(item, kind)) is not None
@@ -210,5 +210,6 @@ def _body_name(item: pin.GeometryObject) -> str:
     return name.rsplit("_", 1)[0] if "/" in name else name
 
 
-def _colour(item: pin.GeometryObject) -> list[float]:
+def colour_of(item: pin.GeometryObject) -> list[float]:
+    """Return red, green, blue and opacity of a body, 0 to 1, as a screen counts them."""
     return [round(float(c), 4) for c in (item.meshColor if item.overrideMaterial else _PLAIN)]
