@@ -158,6 +158,7 @@ def test_keys_shift_and_turn_and_undo(view):
     assert state(view)["change"]["base2.x"] == pytest.approx(-0.02)
     view.page.click("#desk button:text-is('Redo')")
     assert state(view)["change"]["base2.y"] == pytest.approx(0.001)
+    view.do("dualarm.player.canvas.focus()")
     press("ArrowRight")  # another way on: what was undone is gone
     assert view.page.is_disabled("#desk button:text-is('Redo')")
 
