@@ -7,6 +7,7 @@ import threading
 import time
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, replace
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -26,6 +27,7 @@ from dualarm_pin.rows import table
 from dualarm_pin.solution import STATUS, Multipliers, Solution, Solutions
 from dualarm_pin.tolerance import TOLERANCE
 
+R = TypeVar("R", bound=NamedTuple)
 _FEASIBLE = TOLERANCE.position / 10.0
 _CHUNKS_PER_JOB = 8  # small enough that no thread waits long for the slowest chunk
 _FEW = 64  # points in all: done in a few milliseconds
@@ -259,7 +261,7 @@ def usable_cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-_NO_LIMIT, _NO_SCALE = np.full(1, np.inf), np.zeros(0)
+_NO_LIMIT = np.full(1, np.inf)
 _NO_POINT = np.zeros(0, dtype=np.int64)
 
 
@@ -290,8 +292,10 @@ class _Batch:
         settings: Settings,
         *,
         keep_multipliers: bool = False,
+        path: Problem | None = None,
+        first: Integers = _NO_POINT,
     ) -> None:
-        """Solve some rows in this thread."""
+        """Solve some rows in this thread; with `path`, each the window from its first point on."""
         posture = np.empty_like(problem.neighbours.posture)  # of this thread alone
         own = replace(problem, neighbours=problem.neighbours._replace(posture=posture))
         solve_items = entries.solve_items
@@ -309,23 +313,25 @@ class _Batch:
             self.codes,
             self.values,
             self.limit,
-            problem,
+            path or problem,
+            first,
             _NO_POINT,
-            _NO_POINT,
-            _NO_SCALE,
+            np.full(len(first), float(self.linked)),
         )
 
     def run_over_threads(self, first: Integers, jobs: int, settings: Settings) -> None:
         """Solve all rows; Ctrl-C ends the batch after the starts that are running."""
-        k, scaled = self.q.shape[1], self.problem.scaled()
-        pieces: list[tuple[Problem, Integers]] = []
-        for point in np.unique(first):
+        (s, k), scaled = self.q.shape[:2], self.problem.scaled()
+        most = 1 if jobs == 1 else min(jobs * _CHUNKS_PER_JOB, s * k // _FEW)
+        pieces: list[tuple[Problem, Integers, Integers]] = []
+        apart = isinstance(scaled, SharedProblem) and k > 1  # has a border of its own
+        for point in np.unique(first) if apart else first[:1] if (first == first[:1]).all() else []:
             window = scaled.window(int(point), k, linked=self.linked)
             items = np.flatnonzero(first == point)
-            most = 1 if jobs == 1 else min(jobs * _CHUNKS_PER_JOB, len(items) * k // _FEW)
-            chunks = max(1, min(len(items), most))
-            pieces += [(window, chunk) for chunk in np.array_split(items, chunks)]
-        if len(self.q) * k <= _FEW:  # done sooner than threads are started
+            pieces += [(window, _NO_POINT, each) for each in _parts(items, most)]
+        if not pieces:
+            pieces = [(scaled, first, each) for each in _parts(np.arange(s), most)]
+        if s * k <= _FEW or len(pieces) == 1:  # done sooner than threads are started
             for piece in pieces:
                 self._run_piece(*piece, settings)
             return
@@ -339,8 +345,14 @@ class _Batch:
                 self.interrupt[0] = 1
                 wait(running)
 
-    def _run_piece(self, window: Problem, items: Integers, settings: Settings) -> None:
-        self.run(window, workspace_for(window), items, settings)
+    def _run_piece(
+        self, path: Problem, first: Integers, items: Integers, settings: Settings
+    ) -> None:
+        if not len(first):
+            self.run(path, workspace_for(path), items, settings)
+            return
+        window = own_window(path, self.q.shape[1])
+        self.run(window, workspace_for(window, path), items, settings, path=path, first=first)
 
     def result(self) -> Solutions:
         status = self.codes[:, 0].copy()
@@ -358,6 +370,27 @@ class _Batch:
             size=self.problem.size,
             interrupted=bool((status == NOT_RUN).any()),
         )
+
+
+def _parts(items: Integers, most: int) -> list[Integers]:
+    return np.array_split(items, max(1, min(len(items), most)))
+
+
+def own_window(path: Problem, k: int) -> Problem:
+    """Return the first k points as a problem with arrays of its own: walks overwrite them."""
+    window = path.window(0, k)
+    return replace(
+        window,
+        points=_copied(window.points),
+        links=_copied(window.links),
+        neighbours=_copied(window.neighbours),
+        equalities=_copied(window.equalities),
+        inequalities=_copied(window.inequalities),
+    )
+
+
+def _copied(record: R) -> R:
+    return type(record)(*(array.copy() for array in record))
 
 
 _ROOMS = threading.local()
