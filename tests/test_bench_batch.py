@@ -110,6 +110,7 @@ def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_pa
     assert (out / "rows.jsonl").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_run_that_kills_its_workers_is_set_aside_and_takes_no_other_along(tmp_path):
     file = write_suite(tmp_path, [fake("kill_worker", "kills"), fake("quick", "good")], 4)
     text = file.read_text().replace('"name": "kills"', '"name": "kills", "seeds": [2]')
@@ -141,6 +142,30 @@ def test_keep_all_and_none(tmp_path):
         if keep == "all":
             kept = [load_trajectory(folder) for folder in (out / "runs").iterdir()]
             assert sorted(t.q[0, 0] for t in kept) == [0.0, 0.01]
+
+
+@pytest.mark.parametrize(
+    ("field", "value"),
+    [
+        ("found", "yes"),
+        ("status", None),
+        ("objective", [1]),
+        ("max_bound_violation", "0"),
+        ("index", [10**30]),
+        ("reason", "half a letter \ud800"),
+    ],
+)
+def test_a_row_that_no_run_left_is_refused(tmp_path, field, value):
+    suite = Suite.load(write_suite(tmp_path, [fake("quick", "a")], 2), allow_code=True)
+    rows = [perform(run, keep=False).row(run) for run in suite.runs]
+    (tmp_path / "out").mkdir()
+    log = tmp_path / "out" / "rows.jsonl"
+    log.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    assert run_suite(suite, log.parent, resume=True).done_before == 2
+    rows[1][field] = value
+    log.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    with pytest.raises(InputError, match=rf"rows.jsonl:2: {field}: not a row of a batch"):
+        run_suite(suite, log.parent, resume=True)
 
 
 def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
@@ -199,6 +224,7 @@ def two_workers(tmp_path):
             process.wait()
 
 
+@pytest.mark.slow
 def test_a_worker_killed_during_the_run_changes_nothing_in_the_table(tmp_path, two_workers):
     address, processes = two_workers
     gate, out = tmp_path / "gate", tmp_path / "out"

@@ -3,28 +3,36 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 
+import dualarm_pin.evidence.bound as bound_module
+from dualarm_pin.answer.folder import load_result, save_result
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.clearance.extent import corners_of
-from dualarm_pin.engine.solve import gaps
+from dualarm_pin.engine.evaluation import gaps
+from dualarm_pin.evidence.ascent import BoundOptions
 from dualarm_pin.evidence.check import check_held, polished
+from dualarm_pin.evidence.piece_search import SearchOptions
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners.apart import held_problem
+from dualarm_pin.planners.effort import BUDGETS
 from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.repair.basin import Basin, inner_postures
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
 from dualarm_pin.repair.known import Known
 from dualarm_pin.repair.meter import Meter, OverError
+from dualarm_pin.repair.pool import EFFORTS
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
+from dualarm_pin.show.report_tables import tables_of
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -124,6 +132,32 @@ def test_the_answer_is_found_only_where_the_check_confirms_every_pair(task: Task
     assert answer.evidence.local is not None
     assert answer.evidence.local.minimum
     assert answer.evidence.verdict == "local_only"
+
+
+def test_a_bound_without_clearance_stands_beside_the_answer_that_keeps_one(
+    task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A small budget: what `thorough` does, without its work."""
+    small = BoundOptions(SearchOptions(wide=60, most=120, postures=60), steps=8, rounds=1)
+    monkeypatch.setattr(bound_module, "BoundOptions", lambda: small)
+    monkeypatch.setitem(BUDGETS, "thorough", replace(BUDGETS["quick"], bound=True))
+    monkeypatch.setitem(EFFORTS, "thorough", EFFORTS["quick"])
+    answer = plan_global(task, effort="thorough", seed=0)
+    bound, free = answer.evidence.bound, 12.7309
+    assert answer.found
+    assert bound is not None
+    assert bound.without_clearance == pytest.approx(free, abs=1e-4)
+    assert bound.objective == answer.objective > free
+    assert bound.value <= free + 1e-4
+    first, second, *_ = answer.evidence.sentences.split("\n")
+    assert first.startswith("With clearance:")
+    assert second.startswith("Without clearance, splitting into")
+    assert answer.evidence.verdict == "local_only"
+    save_result(tmp_path, task, answer)
+    assert load_result(tmp_path)[1].evidence == answer.evidence
+    rows = dict(tables_of([(task, answer)])["Evidence"])
+    assert rows["lower bound"][0].endswith("made without clearance")
+    assert rows["known without clearance"][0].startswith("12.73089; the answer lies ")
 
 
 def test_a_distance_that_is_known_from_a_nearby_pose_is_never_too_large(survey: Survey) -> None:

@@ -12,8 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from dualarm_pin.arrays import checked
 from dualarm_pin.chain import Floats, Integers
 from dualarm_pin.engine import entries
+from dualarm_pin.engine.batch import usable_cores
 from dualarm_pin.engine.interior_point.walk import LOST
-from dualarm_pin.engine.solve import Options, usable_cores, workspace_for
+from dualarm_pin.engine.options import Options
+from dualarm_pin.engine.room import workspace_for
 from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
 

@@ -13,7 +13,7 @@ import pinocchio as pin
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.chain import Integers
-from dualarm_pin.engine.solve import gaps
+from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
 from dualarm_pin.repair.known import Known
