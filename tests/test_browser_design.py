@@ -205,12 +205,13 @@ def test_an_impossible_place_greys_the_motion_and_says_why_until_it_is_left(view
 
 
 def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stands_grey(view):
-    view.do("dualarm.design.set({'base2.x': -0.4})")  # no commit: it is still held
-    until(view, "d.shown.state.change['base2.x'] === -0.4 && !d.busy")
-    cell = moved_task(task(), {"base2.x": -0.4}).cell
+    view.do("dualarm.design.set({'base2.x': -0.1})")  # no commit: it is still held
+    until(view, "d.shown.state.change['base2.x'] === -0.1 && !d.busy")
+    cell = moved_task(task(), {"base2.x": -0.1}).cell
     q = np.array(view.do("Array.from(dualarm.design.view.q)")).reshape(31, 12)
     near, distances = shown(view, "near"), [cell.distances(q_i) for q_i in q]
     least = np.min(np.array(distances)[:, cell.apart_by_nature])
+    assert least > 0.0
     assert near["distance"] == pytest.approx(least, abs=1e-6)
     assert f"{least:.3f} m at point" in view.page.inner_text("#desk .near")
     view.do("dualarm.design.set({'base2.x': 4.0})")
@@ -218,7 +219,7 @@ def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stand
     assert view.do("dualarm.player.stage.element.classList.contains('stale')")
     assert "No motion here" in view.page.inner_text("#desk .state")
     assert view.do("Array.from(dualarm.design.view.q)") == q.ravel().tolist()
-    view.do("dualarm.design.set({'base2.x': -0.4})")
+    view.do("dualarm.design.set({'base2.x': -0.1})")
     until(view, "d.shown.valid")
     assert not view.do("dualarm.player.stage.element.classList.contains('stale')")
     view.do("dualarm.design.commit()")
