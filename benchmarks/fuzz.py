@@ -11,6 +11,7 @@ forked processes that hold the loaded package; one that hangs or dies takes only
 from __future__ import annotations
 
 import argparse
+import io
 import json
 import multiprocessing as mp
 import resource
@@ -29,22 +30,37 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 import mutations
+import sound_files
 
 from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck
 from dualarm_pin.answer.folder import load_result, save_result
 from dualarm_pin.answer.notes import GlobalNotes
 from dualarm_pin.answer.verify import verified
+from dualarm_pin.bench import batch
+from dualarm_pin.bench.batch import LOG, run_suite
+from dualarm_pin.bench.log.rows import RowLog
+from dualarm_pin.bench.report.page import write_report
 from dualarm_pin.bench.suite import Suite
+from dualarm_pin.bench.work.one_run import perform
 from dualarm_pin.cell import Cell
-from dualarm_pin.errors import DualArmError
+from dualarm_pin.cli.view import view
+from dualarm_pin.design.server import Pages
+from dualarm_pin.errors import DualArmError, InputError
+from dualarm_pin.evidence.sensitivity import cell_costs
+from dualarm_pin.exports import export
 from dualarm_pin.inspection import inspect
+from dualarm_pin.motion.make import make_motion
+from dualarm_pin.planners.earlier import resampled
+from dualarm_pin.planners.methods import plan
 from dualarm_pin.relative import Relative
-from dualarm_pin.show import report_page
+from dualarm_pin.show.sensitivity import save_costs
 from dualarm_pin.task import Task
 
+PAGES: list[Pages] = []
+"""The pages of a design server, made once: forked processes have them as they were."""
 SECONDS = 10.0  # of processor time of one case
 BLOCKED = 60.0  # wall time of one case: only what waits for ever takes so long
-MEMORY = 2 * 1024**3  # bytes of address space of the process that runs it, libraries included
+MEMORY = 2 * 1024**3  # bytes of address space beyond what the process begins with
 AGAIN = 500  # cases after which a process gives way to a fresh one
 MOST_VERIFIED = 200  # points; longer paths are loaded and not checked
 LOCAL = LocalCheck(12.7, 1e-12, 1e-9, 0.01, 98, 0.28, 88, 0.2, 0.2, 1.0, 0, {"arm1/elbow": 2.0})
@@ -90,30 +106,105 @@ def run(kind: str, folder: Path) -> None:
         use_task(Task.load(folder / "task.yaml"))
     elif kind == "suite":
         Suite.load(folder / "suite.yaml")
+    elif kind == "result":
+        view((folder / "result",), html=folder / "page.html")
+    elif kind == "motion":
+        view((folder / "moving",), html=folder / "page.html")
+        task, trajectory = load_result(folder / "moving")
+        resampled(task, trajectory)
+    elif kind == "export":
+        export(folder / "moving", (folder / "to").read_text(), folder / "program")
+    elif kind == "batch":
+        use_rows(folder)
     else:
-        report_page({"broken": load_result(folder / "result")})
+        use_requests((folder / "requests").read_bytes())
+
+
+def use_rows(folder: Path) -> None:
+    """Continue a batch of which nothing is missing, as `bench --resume` does, and report it."""
+    suite = Suite.load(folder / "few.yaml")
+    write_report(suite, run_suite(suite, folder / "batch", resume=True), "dualarm-pin bench")
+
+
+def use_requests(bodies: bytes) -> None:
+    """Answer requests as the server of a design page does, each after the other."""
+    for body in bodies.splitlines():
+        refused = []
+        for answer in PAGES[0].talk.answers.values():
+            try:
+                answer(body)
+            except DualArmError as error:
+                refused.append(error)
+        if len(refused) == len(PAGES[0].talk.answers):
+            raise refused[0]
 
 
 def prepare(folder: Path) -> None:
-    """Write the sound files, and a sound result of them."""
-    mutations.sound(folder)
+    """Write the sound files, and sound results of them."""
+    sound_files.sound(folder)
     task = Task.load(folder / "task.yaml")
     answer = verified(
         task, middle(task), method="global", solver="engine", seed=0, evidence=EVIDENCE,
         notes=GlobalNotes("quick", False),
     )  # fmt: skip
     save_result(folder / "result", task, answer)
+    prepare_motion(folder)
+    prepare_batch(folder)
+
+
+def prepare_motion(folder: Path) -> None:
+    """Write a task that can be met, and a result of it with a motion, an alternative and costs."""
+    cell = Cell.load(folder / "cell.yaml")
+    middle = Relative(cell, (cell.lower + cell.upper) / 2).T_e1_e2.translation
+    ends = [middle.tolist(), (middle + np.array([0.01, 0.0, 0.01])).tolist()]
+    path = {"polyline": {"vertices": ends, "points": 5}, "free": "rotation"}
+    (folder / "easy.yaml").write_text(json.dumps(sound_files.EASY | {"path": path}))
+    task = Task.load(folder / "easy.yaml")
+    answer = plan(task, "local")
+    for place in ("moving", "moving/alternatives/2"):
+        save_result(folder / place, task, answer)
+    make_motion(task, answer).write(folder / "moving")
+    save_costs(folder / "moving", cell_costs(task, answer.q))
+    PAGES[:] = [Pages(task, folder / "saved", jobs=1)]
+    for page in range(2):
+        PAGES[0].open()
+        PAGES[0]._pages[page].desk._search = lambda: None
+
+
+def prepare_batch(folder: Path) -> None:
+    """Write the rows of a finished batch."""
+    (folder / "few.yaml").write_text(json.dumps(sound_files.FEW))
+    with RowLog(folder / "batch" / LOG) as log:
+        for run in Suite.load(folder / "few.yaml").runs:
+            log.append([perform(run, keep=False).row(run)])
+
+
+def never(runs: Any, *_: Any) -> None:
+    """Stand for the workers of a batch, which would take the time of many cases."""
+    raise InputError(f"{len(runs)} runs are missing")
 
 
 def sound_files_work(folder: Path) -> None:
     """Fail if a sound file is refused: then its mutations would prove little."""
+    (folder / "to").write_text("ros2")
+    (folder / "requests").write_text("\n".join(map(json.dumps, sound_files.REQUESTS)))
     for kind in mutations.KINDS:
         run(kind, folder)
-    sections = [{"path": path} for path in mutations.PATHS]
-    sections += [{"path": mutations.PATHS[0], "index": index} for index in mutations.INDICES]
+    for cell in sound_files.CELLS:
+        (folder / "sound.yaml").write_text(json.dumps(cell))
+        use_cell(Cell.load(folder / "sound.yaml"))
+    first = {"path": sound_files.PATHS[0]}
+    sections = [{"path": path} for path in sound_files.PATHS]
+    sections += [first | {"index": index} for index in sound_files.INDICES]
+    sections += [first | section for section in sound_files.SECTIONS]
     for section in sections:
-        (folder / "sound.yaml").write_text(json.dumps(mutations.TASK | section))
-        use_task(Task.load(folder / "sound.yaml"))
+        (folder / "sound.yaml").write_text(json.dumps(sound_files.TASK | section))
+        why = [said for part, said in sound_files.REFUSED.items() if part in json.dumps(section)]
+        try:
+            use_task(Task.load(folder / "sound.yaml"))
+        except DualArmError as error:
+            if not any(said in str(error) for said in why):
+                raise
 
 
 def outcome(kind: str, seed: int, sound: Path) -> tuple[str, str]:
@@ -138,7 +229,10 @@ def outcome(kind: str, seed: int, sound: Path) -> tuple[str, str]:
 
 def work(cases: list[tuple[str, int]], sound: Path, pipe: Connection) -> None:
     """Run cases one after the other; tell which one begins and how it ended."""
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    batch._run = never
+    sys.stdout = io.StringIO()
+    most = MEMORY + _address_space()
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for kind, seed in cases:
         pipe.send(("begins", kind, seed, ""))
@@ -148,6 +242,12 @@ def work(cases: list[tuple[str, int]], sound: Path, pipe: Connection) -> None:
         except UnicodeEncodeError as error:
             status, message = "failed", f"a message cannot be printed: {error}"
         pipe.send((status, kind, seed, message))
+
+
+def _address_space() -> int:
+    """Return the bytes that this process has mapped: libraries reserve more than they use."""
+    file = Path("/proc/self/statm")
+    return int(file.read_text().split()[0]) * resource.getpagesize() if file.exists() else MEMORY
 
 
 class Worker:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from sound_files import CALLING, CELLS, INDICES, PATHS, REQUESTS, SECTIONS, SRDF, SUITE, TASK, URDF
 
 NUMBERS: list[Any] = [
     0, -1, 1, 2, 3, 0.5, 1e12, -1e12, 10**12, 10**30, 10**400, 1e-300, 1e-9, 1e308, 1e5, 1e6, 2e6,
@@ -54,166 +55,11 @@ MERGE_BOMB = "a: &a {x: 1, y: 2}\n" + "".join(
     for a, b in zip("abcdefghijk", "bcdefghijkl", strict=True)
 )
 
-URDF = """\
-<?xml version="1.0" encoding="utf-8"?>
-<robot name="small">
-  <material name="red"><color rgba="1 0 0 1"/></material>
-  <link name="base"/>
-  <link name="upper">
-    <inertial><origin xyz="0 0 0.1" rpy="0 0 0"/><mass value="2.0"/>
-      <inertia ixx="0.1" ixy="0" ixz="0" iyy="0.1" iyz="0" izz="0.1"/></inertial>
-    <visual><geometry><mesh filename="part.stl" scale="1 1 1"/></geometry></visual>
-    <collision><origin xyz="0 0 0.2"/><geometry><mesh filename="part.stl"/></geometry></collision>
-  </link>
-  <link name="fore">
-    <collision><origin xyz="0 0 0.2"/><geometry><box size="0.1 0.1 0.1"/></geometry></collision>
-  </link>
-  <link name="hand">
-    <visual><geometry><cylinder radius="0.02" length="0.1"/></geometry>
-      <material name="red"/></visual>
-    <collision><geometry><cylinder radius="0.02" length="0.1"/></geometry></collision>
-  </link>
-  <link name="tip"/>
-  <joint name="shoulder" type="revolute">
-    <parent link="base"/><child link="upper"/>
-    <origin xyz="0 0 0.1" rpy="0 0 0"/><axis xyz="0 0 1"/>
-    <limit lower="-2" upper="2" effort="10" velocity="1"/>
-  </joint>
-  <joint name="elbow" type="revolute">
-    <parent link="upper"/><child link="fore"/><origin xyz="0 0 0.4"/><axis xyz="0 1 0"/>
-    <limit lower="-2" upper="2" effort="10" velocity="1"/>
-  </joint>
-  <joint name="slide" type="prismatic">
-    <parent link="fore"/><child link="hand"/><origin xyz="0 0 0.4"/><axis xyz="0 0 1"/>
-    <limit lower="0" upper="0.2" effort="10" velocity="1"/><mimic joint="elbow" multiplier="0.1"/>
-  </joint>
-  <joint name="flange" type="fixed">
-    <parent link="hand"/><child link="tip"/><origin xyz="0 0 0.1"/>
-  </joint>
-</robot>
-"""
-SRDF = """\
-<?xml version="1.0"?>
-<robot name="small">
-  <group name="arm"><chain base_link="base" tip_link="tip"/></group>
-  <group name="hand"><link name="hand"/><joint name="flange"/></group>
-  <disable_collisions link1="base" link2="upper" reason="Adjacent"/>
-  <disable_collisions link1="upper" link2="fore" reason="Adjacent"/>
-</robot>
-"""
-CELL: dict[str, Any] = {
-    "name": "two", "package_dirs": ["."], "lock": {}, "free": [],
-    "arms": {
-        "arm1": {"urdf": "small.urdf", "srdf": "small.srdf", "group": "arm",
-                 "limits_deg": {"elbow": [-100, 20]}, "velocity": {"shoulder": 2.0},
-                 "tool": {"xyz": [0, 0, 0.1], "rpy_deg": [0, 0, 10]}, "tool_axis": [0, 0, 1]},
-        "arm2": {"urdf": "small.urdf", "tip": "tip", "acceleration_deg_s2": {"elbow": 90},
-                 "base": {"xyz": [1, 0, 0], "rotation": [[0, -1, 0], [1, 0, 0], [0, 0, 1]]}},
-    },
-}  # fmt: skip
-PATHS: list[dict[str, Any]] = [
-    {"circle": {"radius": 0.1, "points": 5, "start_deg": 10}, "free": "rotation"},
-    {"corner": {"side": 0.15, "fillet": 0.01, "height": 0.3, "points": [3, 3, 3]},
-     "rotation": [[1, 0, 0], [0, -1, 0], [0, 0, -1]]},
-    {"corner": {"side": 0.15, "fillet": 0.01, "height": 0.3, "step": 0.05}, "rpy_deg": [0, 9, 0]},
-    {"arc": {"radius": 0.1, "start_deg": 0, "stop_deg": 90, "points": 4}, "free": "spin",
-     "spin_axis": [0, 0, 1]},
-    {"helix": {"radius": 0.1, "turns": 2, "pitch": 0.02, "points": 9}},
-    {"raster": {"width": 0.1, "depth": 0.1, "rows": 3, "step": 0.05}},
-    {"sine": {"length": 0.2, "amplitude": 0.02, "periods": 2, "points": 9}},
-    {"figure_eight": {"radius": 0.2, "points": 9}, "orientation": "tangent"},
-    {"dome_spiral": {"radius": 0.3, "turns": 3, "points": 9}, "orientation": "normal"},
-    {"tube_seam": {"radius": 0.05, "tube_radius": 0.1, "tilt_deg": 40, "points": 9}},
-    {"polyline": {"vertices": [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0]], "step": 0.02}},
-    {"spline": {"through": [[0, 0, 0], [0.1, 0, 0], [0.1, 0.1, 0]], "points": 7}},
-    {"csv": {"file": "path.csv", "points": 7}}, {"gcode": {"file": "path.nc", "step": 0.05}},
-    {"apt": {"file": "path.apt", "points": 9}}, {"csv": "path.csv"},
-]  # fmt: skip
-INDICES: list[Any] = [
-    "force", {"force": {"direction": "tangent", "joint_weights": [1, 1, 1, 1]}},
-    {"force": {"direction": [1, 0, 0], "task_weights": [1, 1, 1, 2, 2, 2]}, "joint_centre": 0.1},
-    "yoshikawa", {"inverse_condition_number": {}}, "smallest_singular_value", "velocity",
-]  # fmt: skip
-TASK: dict[str, Any] = {
-    "cell": CELL,
-    "smoothness": {"weight": 3.0, "metric": "velocity", "per_arc_length": True},
-    "two_stage": {"Gamma": 2, "smoothness": 1.5},
-    "constraints": [{"above": {"frame": "arm1/tip", "z": -5}, "points": [1, 2]},
-                    {"half_space": {"frame": "arm2/tip", "normal": [0, 1, 0], "offset": -3}}],
-    "method": "local", "solver": "free", "module_dirs": ["."],
-}  # fmt: skip
-SUITE: dict[str, Any] = {
-    "title": "many", "tasks": ["task.yaml", {"file": "task.yaml", "name": "again", "overrides": {
-        "grid": {"smoothness.weight": [1, 2]}}}],
-    "methods": ["local", {"method": "global", "effort": "quick", "starts": 3, "seeds": [1, 2]},
-                {"method": "two-stage", "time_limit": 5, "name": "slow"}],
-    "seeds": 2, "time_limit": 10.0,
-    "overrides": {"grid": {"two_stage.smoothness": {"first": 1, "last": 2, "count": 3}},
-                  "variants": [{"cell.arms.arm2.base.xyz": [1.1, 0, 0]}]},
-    "gates": ["mean_index <= 5", {"gate": "objective < 9", "of": "best", "task": "*"}],
-    "maps": [], "keep": "best", "limitations": ["none"],
-}  # fmt: skip
-CSV = "x,y,z,qw,qx,qy,qz,ux,uy,uz\n" + "".join(
-    f"{0.05 * k},{0.01 * k * k},0.3,1,0,0,0,1,0,0\n" for k in range(6)
-)
-GCODE = (
-    "%\nO1\nG21 G90 G17\nG0 X0 Y0 Z5\nG1 X10 F100\nG2 X20 Y10 I0 J10\nG3 X30 Y20 R10\nG1 Z9\nM30\n"
-)
-APT = "UNITS/MM\nMULTAX/ON\nGOTO/0,0,0,0,0,1\nGOTO/10,0,0,0,0,1\nGOTO/10,10,5,0,1,0\nFINI\n"
-FLAT = "solid a\n" + "".join(
-    "facet normal 0 0 1\nouter loop\n"
-    + "".join(f"vertex {' '.join(map(str, p))}\n" for p in face)
-    + "endloop\nendfacet\n"
-    for face in (
-        [(0, 0, 0), (0.1, 0, 0), (0, 0.1, 0)], [(0, 0, 0), (0.1, 0, 0), (0, 0, 0.1)],
-        [(0, 0, 0), (0, 0.1, 0), (0, 0, 0.1)], [(0.1, 0, 0), (0, 0.1, 0), (0, 0, 0.1)],
-    )
-) + "endsolid a\n"  # fmt: skip
-OBJ = (
-    "v 0 0 0\nv 0.1 0 0\nv 0 0.1 0\nv 0 0 0.1\n"
-    "f 1 2 3\nf 1/1 2/2 4/4\nf 1//1 3//1 4//1\nf -1 -2 -3\n"
-)
-DAE = """<?xml version="1.0"?>
-<COLLADA xmlns="http://www.collada.org/2005/11/COLLADASchema" version="1.4.1">
-<asset><unit name="millimeter" meter="0.001"/><up_axis>Z_UP</up_axis></asset>
-<library_geometries><geometry id="g"><mesh>
-<source id="p"><float_array id="pa" count="12">0 0 0 1 0 0 0 1 0 0 0 1</float_array>
-<technique_common><accessor source="#pa" count="4" stride="3"/></technique_common></source>
-<vertices id="v"><input semantic="POSITION" source="#p"/></vertices>
-<triangles count="4"><input semantic="VERTEX" source="#v" offset="0"/>
-<p>0 1 2 0 1 3 0 2 3 1 2 3</p></triangles></mesh></geometry></library_geometries>
-<library_visual_scenes><visual_scene id="s"><node id="n">
-<matrix>1 0 0 0 0 1 0 0 0 0 1 0 0 0 0 1</matrix>
-<instance_geometry url="#g"/></node></visual_scene></library_visual_scenes>
-<scene><instance_visual_scene url="#s"/></scene></COLLADA>
-"""
-
-
-def binary_stl() -> bytes:
-    """Return a tetrahedron."""
-    corners = np.array([[0, 0, 0], [0.1, 0, 0], [0, 0.1, 0], [0, 0, 0.1]])
-    faces = [corners[list(face)] for face in ((0, 1, 2), (0, 1, 3), (0, 2, 3), (1, 2, 3))]
-    rows = [np.append(np.zeros(3), face).astype("<f4").tobytes() + b"\0\0" for face in faces]
-    return bytes(80) + struct.pack("<I", 4) + b"".join(rows)
-
 
 TIMES = [1, 1, 1, 2, 4]
 """How often a file is changed: many times over it is refused for the first change it meets."""
 Chance = random.Random
 Maker = Callable[[Chance, Path], None]
-
-
-def sound(folder: Path) -> None:
-    """Write every file that another may name."""
-    for name, text in {
-        "small.urdf": URDF, "small.srdf": SRDF, "path.csv": CSV, "path.nc": GCODE,
-        "path.apt": APT, "part.obj": OBJ, "part.dae": DAE, "flat.stl": FLAT,
-        "cell.yaml": json.dumps(CELL),
-        "task.yaml": json.dumps(TASK | {"path": PATHS[0], "index": "force"}),
-        "suite.yaml": json.dumps(SUITE),
-    }.items():  # fmt: skip
-        (folder / name).write_text(text)
-    (folder / "part.stl").write_bytes(binary_stl())
 
 
 def places(value: Any, keys: tuple[Any, ...] = ()) -> list[tuple[Any, ...]]:
@@ -320,12 +166,13 @@ def yaml(chance: Chance, file: Path, data: Any, pool: list[Any] | None = None) -
 
 def task(chance: Chance) -> dict[str, Any]:
     """Return a sound task."""
-    return TASK | {"path": chance.choice(PATHS), "index": chance.choice(INDICES)}
+    common = TASK | {"path": chance.choice(PATHS), "index": chance.choice(INDICES)}
+    return common | chance.choice([{}, *SECTIONS])
 
 
 def make_cell(chance: Chance, folder: Path) -> None:
     """Break a cell."""
-    yaml(chance, folder / "cell.yaml", CELL)
+    yaml(chance, folder / "cell.yaml", chance.choice(CELLS))
 
 
 def make_task(chance: Chance, folder: Path) -> None:
@@ -340,7 +187,8 @@ def make_number(chance: Chance, folder: Path) -> None:
 
 def make_suite(chance: Chance, folder: Path) -> None:
     """Break a suite."""
-    yaml(chance, folder / "suite.yaml", SUITE, NUMBERS if chance.random() < 0.3 else None)
+    suite = chance.choice([SUITE] * 9 + [CALLING])
+    yaml(chance, folder / "suite.yaml", suite, NUMBERS if chance.random() < 0.3 else None)
 
 
 def make_robot(chance: Chance, folder: Path) -> None:
@@ -378,12 +226,57 @@ def make_path(chance: Chance, folder: Path) -> None:
 
 def make_result(chance: Chance, folder: Path) -> None:
     """Break a result folder; `folder / "result"` holds a sound one."""
-    name = chance.choice(["result.json"] * 3 + ["trajectory.npz"] * 3 + ["task.yaml"])
-    file = folder / "result" / name
-    if name == "trajectory.npz":
+    names = ["result.json"] * 3 + ["trajectory.npz"] * 3 + ["task.yaml"]
+    break_one(chance, folder / "result", names)
+
+
+def make_motion(chance: Chance, folder: Path) -> None:
+    """Break a result with a motion, alternatives and costs; `folder / "moving"` holds one."""
+    names = ["motion.npz"] * 3 + ["result.json"] * 2 + ["sensitivity.json", "trajectory.npz"]
+    names += [f"alternatives/2/{name}" for name in ("result.json", "trajectory.npz", "task.yaml")]
+    if chance.random() < 0.2:
+        file = folder / "moving" / "result.json"
+        data = json.loads(file.read_text())
+        data["motion"] = changed(chance, data["motion"], NUMBERS + WORDS + THINGS)
+        put(file, json.dumps(data))
+    else:
+        break_one(chance, folder / "moving", names)
+    (folder / "to").write_text(chance.choice(["ros2", "moveit", "csv", "glb"]))
+
+
+def make_batch(chance: Chance, folder: Path) -> None:
+    """Break the rows of a batch; `folder / "batch"` holds sound ones."""
+    file = folder / "batch" / "rows.jsonl"
+    rows = [json.loads(line) for line in file.read_text().splitlines()]
+    if chance.random() < 0.7:
+        at = chance.randrange(len(rows))
+        key = rows[at]["key"]
+        rows[at] = changed(chance, rows[at], NUMBERS + WORDS + THINGS)
+        rows[at] |= {"key": key} if chance.random() < 0.8 else {}
+        put(file, "".join(json.dumps(row) + "\n" for row in rows))
+    else:
+        put(file, edited(chance, file.read_text()))
+
+
+def make_request(chance: Chance, folder: Path) -> None:
+    """Write broken requests of a design page."""
+    texts = []
+    for _ in range(3):
+        data = changed(chance, chance.choice(REQUESTS), NUMBERS + WORDS + THINGS)
+        texts.append(
+            json.dumps(data) if chance.random() < 0.8 else edited(chance, json.dumps(data))
+        )
+    put(folder / "requests", "\n".join(text.replace("\n", " ") for text in texts))
+
+
+def break_one(chance: Chance, folder: Path, names: list[str]) -> None:
+    """Break one of the files  of a result."""
+    name = chance.choice(names)
+    file = folder / name
+    if name.endswith(".npz"):
         file.write_bytes(_arrays(chance, file.read_bytes()))
         return
-    if name == "result.json" and chance.random() < 0.7:
+    if name.endswith(".json") and chance.random() < 0.7:
         data = json.loads(file.read_text())
         for _ in range(chance.choice(TIMES)):
             data = changed(chance, data, NUMBERS + WORDS + THINGS)
@@ -439,6 +332,10 @@ KINDS: dict[str, Maker] = {
     "mesh": make_mesh,
     "path": make_path,
     "result": make_result,
+    "motion": make_motion,
+    "export": make_motion,
+    "batch": make_batch,
+    "request": make_request,
 }
 
 

@@ -7,6 +7,7 @@ import os
 import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -29,6 +30,7 @@ def held(folder: Path) -> dict[str, bytes]:
     return {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
+@pytest.mark.slow
 def test_random_signals_leave_the_old_result_or_the_new_one() -> None:
     """A few moments of the long run of `benchmarks/interrupt.py`."""
     script = [str(BENCHMARKS / "interrupt.py"), "--moments", "20", "--commands", "solve", "view"]
@@ -105,6 +107,27 @@ HOLD = (
     "    print('mine', flush=True)\n"
     "    time.sleep(600)\n"
 )
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_that_a_destructor_swallows_comes_again(
+    number: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Slow:
+        def __del__(self) -> None:
+            signal.raise_signal(number)
+
+    def work(_: object) -> int:
+        made = Slow()
+        del made  # Python cannot raise here
+        time.sleep(5.0)
+        return 0
+
+    monkeypatch.setattr("dualarm_pin.cli.app", work)
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    assert ended.value.code == 128 + number
+    assert capsys.readouterr().err == "dualarm-pin: stopped\n"
 
 
 def test_a_folder_belongs_to_one_run_until_its_process_is_gone(

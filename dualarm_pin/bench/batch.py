@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 
-from dualarm_pin.bench.columns import Row, brief
+from dualarm_pin.bench.columns import Row, brief, first_wrong, of_run
 from dualarm_pin.bench.gates import Gate
 from dualarm_pin.bench.kept_trajectories import Keeper
 from dualarm_pin.bench.log.rows import RowLog
@@ -134,7 +134,9 @@ def _run(
 
 
 def _relabelled(log: RowLog, runs: dict[str, BenchRun], keys: list[str]) -> Iterator[Row]:
-    """Read rows, each with the names that the suite gives its task and method today."""
-    for row in log.rows(keys):
-        run = runs[row["key"]]
-        yield row | {"task": run.task, "method": run.method.name}
+    """Read rows, each with what the suite says of its run today, as the names of its task."""
+    for key, row in zip(keys, log.rows(keys), strict=True):
+        row |= of_run(runs[key])
+        if (field := first_wrong(row)) is not None:
+            raise log.refusal(key, field)
+        yield row

@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 Row = dict[str, Any]
+_RANKED = ("arc_mean_index", "max_index", "timing.cpu_s", "run_s")  # beside those that are shown
+_LARGEST = 2**63  # tables hold whole numbers in 64 bits
 Rule = Literal["best", "least", "median", "largest", "typical"]
 
 
@@ -197,6 +199,43 @@ def flatten(row: Mapping[str, Any], prefix: str = "") -> Row:
         else:
             flat[name] = value
     return flat
+
+
+def first_wrong(row: Mapping[str, Any]) -> str | None:
+    """Return the first column of a row read back that holds what no run leaves there, or None.
+
+    A log is a file like any other: it may have been cut, merged or edited.
+    """
+    flat = flatten(row)
+    for name, kind in (("found", bool), ("status", str), ("reason", str), ("set", Mapping)):
+        if not isinstance(row.get(name), kind):
+            return name
+    for column in COLUMNS:
+        value = flat.get(column.name)
+        number = column.shown or column.name in _RANKED
+        if value is not None and number and (isinstance(value, bool) or not _is_number(value)):
+            return column.name
+    return next((name for name, value in flat.items() if not _fits_a_table(name, value)), None)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, int | float) and abs(value) < _LARGEST
+
+
+def _fits_a_table(*values: Any) -> bool:
+    """Tell whether all of them are what JSON of ours holds: numbers in range, whole texts."""
+    for value in values:
+        if isinstance(value, list):
+            fits = _fits_a_table(*value)
+        elif isinstance(value, Mapping):
+            fits = _fits_a_table(*value, *value.values())
+        elif isinstance(value, str):
+            fits = not any("\ud800" <= letter <= "\udfff" for letter in value)
+        else:
+            fits = value is None or _is_number(value)
+        if not fits:
+            return False
+    return True
 
 
 def brief(row: Row) -> Row:

@@ -22,7 +22,7 @@ class Exported:
 
     Attributes:
         format: Name of the format.
-        texts: Text of each file by its name.
+        texts: Text, or bytes, of each file by its name.
         sha256: Of the result that it was made of.
         points: Number of points of the program.
         samples: Number of samples of the motion.
@@ -36,7 +36,7 @@ class Exported:
     """
 
     format: str
-    texts: Mapping[str, str]
+    texts: Mapping[str, str | bytes]
     sha256: str
     points: int
     samples: int
@@ -108,6 +108,7 @@ class Exported:
             message = f"there is something else here ({others[0]}): give an empty folder as --out"
             raise InputError(message, file=folder)
         report = json.dumps(self.as_dict(), indent=1) + "\n"
-        texts = {**self.texts, REPORT: report}
+        contents = {**self.texts, REPORT: report}
+        files = {n: c.encode() if isinstance(c, str) else c for n, c in contents.items()}
         with reserved(folder):
-            write_files(folder, {name: text.encode() for name, text in texts.items()})
+            write_files(folder, files)

@@ -14,6 +14,8 @@ from dualarm_pin.exports.ros2 import ROS2
 from dualarm_pin.exports.urscript import URSCRIPT
 
 FORMATS = {each.name: each for each in (ROS2, MOVEIT, RAPID, FANUC, KRL, URSCRIPT, PDL2, CSV)}
+SCENE = "glb"
+"""A picture of the cell, in motion or not: no program, so no `Format`."""
 
 
 def format_of(name: str | Format) -> Format:
@@ -25,7 +27,8 @@ def format_of(name: str | Format) -> Format:
     if isinstance(name, Format):
         return name
     if name not in FORMATS:
-        hint = nearest(name, FORMATS)
-        known = "" if hint.startswith("known") else f" Known: {', '.join(FORMATS)}"
+        names = [*FORMATS, SCENE]
+        hint = nearest(name, names)
+        known = "" if hint.startswith("known") else f" Known: {', '.join(names)}"
         raise UnknownNameError(f"no format {name!r}: {hint}{known}", field="--to")
     return FORMATS[name]

@@ -13,7 +13,7 @@ from dualarm_pin.exports.choose_points import choose_points
 from dualarm_pin.exports.convention import Convention, arm_columns, convention_of, ros_names
 from dualarm_pin.exports.exported import Exported
 from dualarm_pin.exports.format import Chord, Format
-from dualarm_pin.exports.formats import format_of
+from dualarm_pin.exports.formats import SCENE, format_of
 from dualarm_pin.exports.motion_path import MotionPath
 from dualarm_pin.exports.names import comment
 from dualarm_pin.exports.program import Points, Program
@@ -33,12 +33,14 @@ def export(
     name: str | None = None,
     mm: float | None = None,
     deg: float | None = None,
+    point: int | None = None,
     allow_code: bool = False,
 ) -> Exported:
-    """Write the motion of a result as a program for a controller.
+    """Write the motion of a result as a program for a controller, or as a scene (`glb`).
 
     The text is read back and run through the kinematics first; nothing is written if it leaves the
-    relative path of the motion by more than the tolerance.
+    relative path of the motion by more than the tolerance. Of a scene the bodies are compared with
+    where Pinocchio puts them.
 
     Args:
         result: A result folder with a motion.
@@ -47,20 +49,35 @@ def export(
         name: Name of the program; that of the result folder by default.
         mm: Largest distance from the relative path [mm]; that of the format by default.
         deg: Largest angle [deg].
+        point: A point of the path, from 1: a scene that stands still there, not the motion.
         allow_code: Import and run what the task names with `call`.
 
     Raises:
         MissingFileError: There is no result, or it has no motion.
         UnknownNameError: There is no such format.
-        InputError: The result is not found, its joints do not fit the format, or the folder holds
-            something else.
+        InputError: The result is not found, its joints do not fit the format, there is no such
+            point, or the folder holds something else.
+        MissingExtraError: A scene needs trimesh, which is not installed.
         DualArmError: What was written cannot be read back.
     """
+    called = name or Path(result).resolve().name
+    if to == SCENE:
+        from dualarm_pin.exports.glb.make import USUAL, export_scene
+
+        allowed = _tolerance(USUAL, mm, deg)
+        where = Path(result), Path(out)
+        return export_scene(
+            *where, name=called, tolerance=allowed, point=point, allow_code=allow_code
+        )
     target = format_of(to)
-    tolerance = _tolerance(target, mm, deg)
+    if point is not None:
+        raise InputError(
+            f"a posture goes to {SCENE} alone; {target.name} is a motion", field="point"
+        )
+    tolerance = _tolerance(target.tolerance, mm, deg)
     source = ResultMotion.load(Path(result), allow_code=allow_code)
     cell, motion = source.task.cell, source.motion
-    convention, called = convention_of(cell, target), name or Path(result).resolve().name
+    convention = convention_of(cell, target)
     path = MotionPath(cell, motion.q, source.task.path, motion.arc_length, tolerance)
     for share in _SHARES:
         chosen = choose_points(motion, path, target, share)
@@ -86,11 +103,10 @@ def export(
     return exported
 
 
-def _tolerance(target: Format, mm: float | None, deg: float | None) -> Chord:
+def _tolerance(usual: Chord, mm: float | None, deg: float | None) -> Chord:
     for field, value in (("mm", mm), ("deg", deg)):
         if value is not None and not (math.isfinite(value) and value > 0.0):
             raise InputError(f"a number above 0 is expected; given {value}", field=field)
-    usual = target.tolerance
     return Chord(usual.mm if mm is None else mm, usual.deg if deg is None else deg)
 
 

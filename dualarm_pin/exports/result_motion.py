@@ -48,10 +48,7 @@ class ResultMotion:
             raise InputError(message, file=folder / "result.json", field="found")
         motion = Motion.load(folder)
         _refuse_another(motion, trajectory, folder)
-        digest = hashlib.sha256()
-        for name in _HASHED:
-            digest.update((folder / name).read_bytes())
-        return cls(task, motion, digest.hexdigest())
+        return cls(task, motion, sha256_of(folder))
 
     @property
     def cautions(self) -> tuple[str, ...]:
@@ -62,6 +59,15 @@ class ResultMotion:
         if clearance <= 0.0:
             return (f"links touch along this motion: clearance {clearance:.3f} m.",)
         return ()
+
+
+def sha256_of(folder: Path) -> str:
+    """Return the SHA-256 of the files of a result, those of its motion too if it has one."""
+    digest = hashlib.sha256()
+    for file in (folder / name for name in _HASHED):
+        if file.is_file():
+            digest.update(file.read_bytes())
+    return digest.hexdigest()
 
 
 def _refuse_another(motion: Motion, trajectory: Trajectory, folder: Path) -> None:

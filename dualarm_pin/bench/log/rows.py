@@ -28,7 +28,7 @@ class RowLog:
 
     def __init__(self, path: Path) -> None:
         self.path = path
-        self._places: dict[str, tuple[int, int]] = {}
+        self._places: dict[str, tuple[int, int, int]] = {}  # start, length, number of the line
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
             self._file = os.open(path, os.O_RDWR | os.O_CREAT | os.O_APPEND, 0o644)
@@ -63,7 +63,7 @@ class RowLog:
         for row in rows:
             line = json.dumps(row, separators=(",", ":"), allow_nan=False).encode() + b"\n"
             if row["key"] not in self._places:
-                self._places[row["key"]] = (self._end, len(line))
+                self._places[row["key"]] = (self._end, len(line), len(self._places) + 1)
                 self._end += len(line)
                 lines.append(line)
         data = b"".join(lines)
@@ -74,9 +74,13 @@ class RowLog:
     def rows(self, keys: Iterable[str]) -> Iterator[Row]:
         """Read the rows of some keys, in their order, one at a time."""
         for key in keys:
-            start, length = self._places[key]
+            start, length, _ = self._places[key]
             row: Row = json.loads(os.pread(self._file, length, start))
             yield row
+
+    def refusal(self, key: str, field: str) -> InputError:
+        """Return what to raise for a row that does not hold in a field what a run leaves there."""
+        return self._not_a_row(self._places[key][2], field)
 
     def _repair(self) -> int:
         """Note where the rows stand, cut a last line that is not whole; return the end."""
@@ -89,16 +93,16 @@ class RowLog:
                     key = json.loads(line)["key"]
                 except (ValueError, KeyError, TypeError) as error:
                     if file.read(1):
-                        raise InputError(
-                            "not a row of a batch: give another --out, or remove this line",
-                            file=self.path,
-                            line=number,
-                        ) from error
+                        raise self._not_a_row(number) from error
                     break
-                self._places.setdefault(str(key), (end, len(line)))
+                self._places.setdefault(str(key), (end, len(line), number))
                 end += len(line)
         os.ftruncate(self._file, end)
         return end
+
+    def _not_a_row(self, number: int, field: str | None = None) -> InputError:
+        message = "not a row of a batch: give another --out, or remove this line"
+        return InputError(message, file=self.path, line=number, field=field)
 
 
 def _sync_folder(folder: Path) -> None:
