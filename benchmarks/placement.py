@@ -25,6 +25,8 @@ from pathlib import Path
 import numpy as np
 
 import dualarm_pin as dp
+from dualarm_pin.arrays import Array
+from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.design import Session
 from dualarm_pin.design.desk import Desk
 from dualarm_pin.design.messages import State
@@ -40,6 +42,7 @@ BEST, BEST_WIDE, SAME = 8.328358, 7.612795, 1e-4  # objectives; relative
 SECONDS, SECONDS_WIDE = 1.0, 12.0
 ENOUGH_WIDE = 0.9  # of the seeds
 CLEARANCE, SIDE = 0.05, 20  # m; places along each side of the grid
+ALLOWED = 5e-4  # m; what a pair may lack
 DRAGS = ("base2_x", 2.5, 3.0), ("base2_y", 0.0, 0.6), ("base2_yaw", np.pi, np.pi + 1.2)
 PLACES, SHOWN_ENOUGH, SHOWN_SAME = 20, 19, 1e-4  # a place every few steps of a drag; relative
 STEP = 0.02  # m or rad between two poses of a drag
@@ -140,9 +143,10 @@ def grid(kept: Path) -> list[Row]:
         f"grid: {best:.4f} at x, z = {where}; {searched} of {len(places)} searched with clearance"
     )
     print(f"place: {answer.objective:.4f} at x, z = {base[0]:.4f} {base[2]:.4f}, {seconds:.1f} s")
-    clear = bool(answer.found and answer.min_clearance and answer.min_clearance >= CLEARANCE - 5e-4)
+    lack = _lack(found.task, answer.q)
+    clear = bool(answer.found and lack <= ALLOWED)
     return [
-        ("with clearance: found, apart", f"{CLEARANCE} m", f"{answer.min_clearance:.4f} m", clear),
+        (f"with {CLEARANCE} m asked: most that lacks", f"{ALLOWED} m", f"{lack:.4f} m", clear),
         (
             "with clearance: objective",
             f"below {best:.4f}",
@@ -162,10 +166,9 @@ def drags() -> list[Row]:
         at, stops = start, np.linspace(start, end, count + 1)[1:]
         for stop in stops:
             for value in np.linspace(at, stop, int(np.ceil((stop - at) / STEP)) + 1)[1:]:
-                desk.move(_state(task, name, value))
                 desk.wait(60.0)  # the search behind it keeps up with a hand, not with this loop
-            at = stop
-            shown = desk.answer.objective
+                desk.move(_state(task, name, value))
+            at, shown = stop, desk.answer.objective  # before any search has been here
             there = dp.plan_global(desk.task_here(), effort="normal", seed=7)
             seen += 1
             agrees = shown <= there.objective * (1.0 + SHOWN_SAME)
@@ -216,7 +219,7 @@ def replan() -> list[Row]:
 def page() -> list[Row]:
     """Return what a drag on the page shows in a second, and how old it is."""
     sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "tests"))
-    from drag import dragged_page
+    from drag import dragged_page  # type: ignore[import-not-found]
 
     rows = []
     for name in FRAMES:
@@ -230,6 +233,17 @@ def page() -> list[Row]:
              f"{middle:.0f} ms, p95 {late:.0f}, {old} of {len(seen.ages)} above", old == 0),
         ]  # fmt: skip
     return rows
+
+
+def _lack(task: dp.Task, q: Array) -> float:
+    """Return what lacks most to the distances asked for [m], at the points of a motion."""
+    required, worst = asked_of(task).required, -np.inf
+    for posture in q:
+        short = required - task.cell.distances(posture)
+        for k in np.flatnonzero(short > ALLOWED).tolist():
+            short[k] = required[k] - task.cell.distance(posture, k, exact=True)
+        worst = max(worst, float(short.max()))
+    return worst
 
 
 def _state(task: dp.Task, name: str, value: float) -> State:

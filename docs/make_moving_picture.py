@@ -26,10 +26,10 @@ HERE = Path(__file__).resolve().parent
 MOST_BYTES = 1_500_000
 WIDTH, HEIGHT, SHARE = 1120, 680, 0.75  # of the page; of it in the picture
 AT = 0.6  # place on the path
-STEP_MS, REST_MS = 160, 1500
-NEARER = [("base2.x", float(x)) for x in np.linspace(0.0, -0.4, 15)]
-ASIDE = [("base2.y", float(y)) for y in np.linspace(0.0, 0.3, 9)[1:]]
-AWAY = [("base2.x", float(x)) for x in np.linspace(-0.4, 1.7, 13)[1:]]
+STEP_MS, REST_MS = 200, 1500
+NEARER = [("base2.x", float(x)) for x in np.linspace(0.0, -0.4, 11)]
+ASIDE = [("base2.y", float(y)) for y in np.linspace(0.0, 0.3, 6)[1:]]
+AWAY = [("base2.x", float(x)) for x in np.linspace(-0.4, 1.7, 8)[1:]]
 
 
 def main() -> None:
@@ -58,7 +58,7 @@ def main() -> None:
             times.append(REST_MS)
     file = HERE / "design.webp"
     frames[0].save(
-        file, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=55, method=6
+        file, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=55, method=4
     )
     size = file.stat().st_size
     print(f"{file}: {len(frames)} pictures, {size} bytes")

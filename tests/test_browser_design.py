@@ -57,6 +57,14 @@ def shown(view, name):
     return view.do(f"dualarm.design.shown.{name}")
 
 
+def until(view, said):
+    """Wait in the page: its policy forbids what Playwright waits with."""
+    view.do(
+        f"(async () => {{ const d = dualarm.design; while (!({said}))"
+        " await new Promise((done) => setTimeout(done, 20)); })()"
+    )
+
+
 def dragged(view, part, by, steps=8):
     x, y = view.page.evaluate(SPOT, part)
     mouse = view.page.mouse
@@ -197,38 +205,42 @@ def test_an_impossible_place_greys_the_motion_and_says_why_until_it_is_left(view
 
 
 def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stands_grey(view):
-    view.do("dualarm.design.set({'base2.x': -0.4})")  # no commit: it is still held
-    view.page.wait_for_function(
-        "dualarm.design.shown.state.change['base2.x'] === -0.4 && !dualarm.design.busy"
-    )
-    cell = moved_task(task(), {"base2.x": -0.4}).cell
+    view.do("dualarm.design.set({'base2.x': -0.1})")  # no commit: it is still held
+    until(view, "d.shown.state.change['base2.x'] === -0.1 && !d.busy")
+    cell = moved_task(task(), {"base2.x": -0.1}).cell
     q = np.array(view.do("Array.from(dualarm.design.view.q)")).reshape(31, 12)
     near, distances = shown(view, "near"), [cell.distances(q_i) for q_i in q]
     least = np.min(np.array(distances)[:, cell.apart_by_nature])
+    assert least > 0.0
     assert near["distance"] == pytest.approx(least, abs=1e-6)
     assert f"{least:.3f} m at point" in view.page.inner_text("#desk .near")
     view.do("dualarm.design.set({'base2.x': 4.0})")
-    view.page.wait_for_function("!dualarm.design.shown.valid")
+    until(view, "!d.shown.valid")
     assert view.do("dualarm.player.stage.element.classList.contains('stale')")
     assert "No motion here" in view.page.inner_text("#desk .state")
     assert view.do("Array.from(dualarm.design.view.q)") == q.ravel().tolist()
-    view.do("dualarm.design.set({'base2.x': -0.4})")
-    view.page.wait_for_function("dualarm.design.shown.valid")
+    view.do("dualarm.design.set({'base2.x': -0.1})")
+    until(view, "d.shown.valid")
     assert not view.do("dualarm.player.stage.element.classList.contains('stale')")
     view.do("dualarm.design.commit()")
 
 
 def test_what_would_be_seen_too_late_is_not_drawn(view):
-    view.do("dualarm.design.late = 0")
-    seen = drag(view, seconds=2.0)
-    late = view.do("dualarm.design.late")
-    assert len(seen.ages) + late > 5
-    view.do("(DA.oldest = 0, 0)")  # everything is too late now
-    none = drag(view, seconds=1.0)
-    assert len(none.ages) <= 1
-    assert view.do("dualarm.design.late") > late
+    view.do("(dualarm.design.late = 0, DA.oldest = 1e9)")
+    seen = [drag(view, seconds=2.0)]
+    while not seen[-1].ages and len(seen) < 20:  # a machine may do little in two seconds
+        seen.append(drag(view, seconds=2.0))
+    assert seen[-1].ages
+    assert view.do("dualarm.design.late") == 0
+    view.do("(DA.oldest = 0)")  # everything is too late now, but what nothing newer follows
+    for _ in range(20):
+        none = drag(view, seconds=2.0)
+        assert len(none.ages) <= 1
+        if view.do("dualarm.design.late"):
+            break
+    assert view.do("dualarm.design.late") > 0
     assert shown(view, "state.change['base2.x']") == state(view)["change"]["base2.x"]
-    view.do("(DA.oldest = 150, 0)")
+    view.do("(DA.oldest = 150)")
 
 
 def test_variants_are_kept_restored_and_saved(view, pages):

@@ -130,7 +130,7 @@ def test_with_clearance_a_place_moves_on_and_its_bodies_stay_apart():
     start = {"base2.x": -0.8, "base2.z": 0.3}
     there = plan_global(moved_task(task, start), effort="quick", seed=0, jobs=1)
     stand = slide(task, task.placement, start, there.q)
-    assert stand.path.objective < 0.7 * there.objective
+    assert stand.path.objective < 0.8 * there.objective
     assert -1.1 <= stand.change["base2.x"] <= 0.5
     assert -0.5 <= stand.change["base2.z"] <= 0.5
     required = asked_of(stand.task).required

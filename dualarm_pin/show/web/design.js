@@ -216,7 +216,8 @@ DA.Design = class {
   seen(asked, from) {
     requestAnimationFrame(() => requestAnimationFrame(() => {
       this.ages.push(performance.now() - asked);
-      this.drawing = Math.min(0.8 * this.drawing + 0.2 * (performance.now() - from), DA.oldest / 2);
+      // The slowest of late: a mean would let every other picture come too late.
+      this.drawing = Math.min(Math.max(0.9 * this.drawing, performance.now() - from), 0.7 * DA.oldest);
     }));
   }
 
