@@ -48,6 +48,7 @@ class Pairs(NamedTuple):
         ends: (p, 2, 2, 3) segments of the capsules around them, in the frames of these joints [m].
         radius: (p, 2) of the capsules [m].
         tight: (p,) whether the capsules say something about the bodies.
+        loose: (p,) whether the bodies move with different arms, or one of them stands.
         hulls: Points and a radius whose hull holds the second body, in the frame of its joint [m].
     """
 
@@ -58,6 +59,7 @@ class Pairs(NamedTuple):
     ends: Array
     radius: Array
     tight: Array
+    loose: Flags
     hulls: tuple[tuple[Array, float], ...]
 
 
@@ -84,6 +86,7 @@ def asked_pairs(cell: Cell, required: Array) -> Pairs:
         ends=np.array([[covers[b].ends for b in pair] for pair in both]).reshape(-1, 2, 2, 3),
         radius=np.array([[covers[b].radius for b in pair] for pair in both]).reshape(-1, 2),
         tight=np.array([all(covers[b].tight for b in pair) for pair in both], dtype=bool),
+        loose=cell.apart_by_nature[chosen],
         hulls=tuple(hulls[second] for _, second in both),
     )
 
