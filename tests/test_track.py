@@ -174,8 +174,12 @@ def test_a_path_that_was_picked_in_vain_rests() -> None:
     pool, random = Pool(), np.random.default_rng(0)
     for value in (1.0, 2.0):
         pool.offer(np.full((3, 2), value), value)
-    early = [pool.pick(random) for _ in range(40)]
+    early = []
+    for _ in range(100):
+        pool.picks = [0, 0]
+        early.append(pool.pick(random))
     assert early.count(0) > early.count(1) > 0
+    assert sum(pool.picks) == 1
     pool.picks = [1000, 0]
     assert [pool.pick(random) for _ in range(20)].count(1) > 10
     pool.offer(np.full((3, 2), 5.0), 0.5)
