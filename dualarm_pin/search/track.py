@@ -151,7 +151,11 @@ class TrackLaw:
             kept, merged = _groups(folded, ends.objective[near], count[near])
             kept, count = kept[: how.fine], merged[: how.fine]
             paths = np.array([level.start(folded[at]) for at in kept])
-        spent, at_once = self.work.spent, 3 if self._sweeps is None else 1
+        at_once = 3
+        if self._sweeps is not None and len(paths):
+            paths, order = self._sweeps.nested(paths, Options(mu0=mu, push=push))
+            count, at_once, mu, push = count[order], 1, 1e-3, 1e-3
+        spent = self.work.spent
         for first in range(0, len(paths), at_once):
             part = slice(first, first + at_once)
             self._settle(paths[part], count[part], mu, push)
