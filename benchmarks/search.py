@@ -3,9 +3,9 @@
     python benchmarks/search.py --effort quick --seeds 5 --tasks b03,b04
 
 Prints one row a task: how many seeds end within 1e-4 of the best known value, how far each ends
-above it, and the median of the processor time. Fails if a seed finds better than `best_known.json`
-(then the table is to be raised, with `--raise`), and if a seed of `normal` or `thorough` ends above
-it on more than one task.
+above it, and the median of the processor time. Fails if a seed finds better than the table of best
+known values (then it is to be raised, with `--raise`), and if a seed of `normal` or `thorough` ends
+above it on more than one task.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import hashlib
 import json
 import sys
 import time
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -30,7 +31,7 @@ MISSED = 1  # tasks that `normal` may miss
 TASKS = ["paper_corner", "circle", *(f"b{number:02d}" for number in range(1, 13))]
 
 
-def main() -> int:
+def main(arguments: Sequence[str] | None = None) -> int:
     """Run the table; return 1 if it has to be raised, or if an effort falls behind it."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--effort", default="quick")
@@ -38,9 +39,10 @@ def main() -> int:
     parser.add_argument("--first-seed", type=int, default=100)
     parser.add_argument("--tasks", default=",".join(TASKS))
     parser.add_argument("--jobs", type=int, default=1)
+    parser.add_argument("--table", type=Path, default=TABLE, help="best known paths, JSON")
     parser.add_argument("--raise", dest="raised", action="store_true")
-    given = parser.parse_args()
-    known = json.loads(TABLE.read_text(encoding="utf-8"))
+    given = parser.parse_args(arguments)
+    known = json.loads(given.table.read_text(encoding="utf-8"))
     ensure_compiled(print)
     better, missed = False, []
     print("| task | best known | within 1e-4 | above it by seed [%] | processor [s] | verdicts |")
@@ -68,7 +70,7 @@ def main() -> int:
             flush=True,
         )
     if better and given.raised:
-        TABLE.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
+        given.table.write_text(json.dumps(known, indent=1) + "\n", encoding="utf-8")
     behind = given.effort != "quick" and len(missed) > MISSED
     if better:
         print("better than the table was found" + ("" if given.raised else ": use --raise"))

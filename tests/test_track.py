@@ -170,6 +170,32 @@ def test_a_pool_keeps_the_best_of_one_valley_in_order() -> None:
     assert pool.merged([pool]).objectives == pool.objectives
 
 
+def test_a_path_that_was_picked_in_vain_rests() -> None:
+    pool, random = Pool(), np.random.default_rng(0)
+    for value in (1.0, 2.0):
+        pool.offer(np.full((3, 2), value), value)
+    early = []
+    for _ in range(100):
+        pool.picks = [0, 0]
+        early.append(pool.pick(random))
+    assert early.count(0) > early.count(1) > 0
+    assert sum(pool.picks) == 1
+    pool.picks = [1000, 0]
+    assert [pool.pick(random) for _ in range(20)].count(1) > 10
+    pool.offer(np.full((3, 2), 5.0), 0.5)
+    assert pool.picks[0] == 0
+    assert len(pool.picks) == len(pool.paths) == 3
+
+
+def test_twins_share_the_chance_of_one_path() -> None:
+    pool, random = Pool(), np.random.default_rng(0)
+    for place in range(4):
+        pool.offer(np.full((3, 2), 10.0 * place), 1.0)
+    pool.offer(np.full((3, 2), 50.0), 2.0)
+    picked = [pool.pick(random) for _ in range(30)]
+    assert picked.count(4) > 3  # with five chances of their own it would be drawn twice at most
+
+
 def test_sweeps_bring_a_long_path_down_window_by_window(monkeypatch: pytest.MonkeyPatch) -> None:
     split = "path.corner.points=[60, 61, 60]"
     problem = Task.load(TASK, [split, "two_stage={}"]).problem()

@@ -5,6 +5,7 @@ from __future__ import annotations
 import platform
 import time
 from dataclasses import dataclass
+from functools import cache
 
 from dualarm_pin import __version__
 
@@ -43,6 +44,11 @@ class Clock:
 
 def versions() -> dict[str, str]:
     """Return the versions that make a result."""
+    return dict(_versions())
+
+
+@cache
+def _versions() -> dict[str, str]:
     from importlib.metadata import PackageNotFoundError, version
 
     found = {"dualarm-pin": __version__, "python": platform.python_version()}
