@@ -237,6 +237,16 @@ def test_searches_that_shared_nothing_speak_for_each_other(
     assert evidence.sentences.split("\n")[1].startswith("Strict local minimum")
 
 
+def test_one_round_says_whether_it_was_enough_or_all_there_was_time_for() -> None:
+    found, law = Searches("rounds", (5.0,), 5.0, 0), LawCount(200, 40, 3, 9)
+    alone = conclude(Findings(STRICT, laws={"track": law}, searches=found)).sentences
+    assert "all that there was time for: expect a better one from --effort normal" in alone
+    both = conclude(
+        Findings(STRICT, laws={"track": law, "anchored": law}, searches=found)
+    ).sentences
+    assert "where single points have few minima" in both
+
+
 def ends(*minimum: int, converged: int | None = None) -> Solutions:
     """Return one end per number: number m is minimum m, at 0.1 m and with objective m."""
     m = np.array(minimum, dtype=float)

@@ -12,6 +12,7 @@ from dualarm_pin.engine.solve import Options
 from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import violation
+from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.hops import Hops
 from dualarm_pin.search.independent import IndependentSearch
 from dualarm_pin.search.pool import Pool
@@ -217,3 +218,20 @@ def test_sweeps_bring_a_long_path_down_window_by_window(monkeypatch: pytest.Monk
     assert violation(problem, end.q[0]) < 1e-6
     assert end.objective[0] == pytest.approx(best, rel=1e-2)
     assert end.objective[0] == pytest.approx(problem.objective(end.q[0]), rel=1e-9)
+
+
+def test_starts_of_a_long_path_are_told_apart_on_more_points_than_they_were_drawn_on() -> None:
+    problem = Task.load(TASK, ["path.corner.points=[60, 61, 60]", "two_stage={}"]).problem()
+    coarse = coarse_of(problem, 32)
+    random = np.random.default_rng(3)
+    postures = random.uniform(problem.lower, problem.upper, (6, 1, problem.n))
+    starts = np.array([coarse.start(q) for q in np.tile(postures, (1, 32, 1))])
+    work = Work(problem)
+    paths, which = Sweeps(problem, work, jobs=1).nested(starts.copy(), Options(mu0=0.1, push=1e-2))
+    assert len(paths) == len(which) == 3
+    assert len(set(which.tolist()) & set(range(6))) == 3
+    values = [problem.objective(q) for q in paths]
+    off = [violation(problem, q) for q in paths]
+    assert off[0] < 5e-3
+    assert values[0] == min(v for v, o in zip(values, off, strict=True) if o < 5e-3)
+    assert work.spent > 0.0

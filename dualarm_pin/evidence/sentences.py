@@ -29,7 +29,7 @@ STOPPING_RULE = (
 _FOUND_TWICE = 2  # rounds that found it, each by itself: then nothing speaks for better ones
 
 
-def tries(found: Searches) -> str:
+def tries(found: Searches, laws: Mapping[str, LawCount]) -> str:
     """Say how many tries that shared nothing found the answer, and what to do if it is one."""
     count = len(found.objectives)
     worst = max((each for each in found.above if isfinite(each)), default=0.0)
@@ -45,8 +45,10 @@ def tries(found: Searches) -> str:
     text = f"Best of {count} {rounds} of starts and {found.hops} hops"
     if found.hits >= _FOUND_TWICE:
         return f"{text}, found by {found.hits} rounds each by itself."
-    if count == 1:
+    if count == 1 and len(laws) > 1:  # another law was asked, and spoke for it
         return f"{text}, where single points have few minima."
+    if count == 1:
+        return f"{text}, all that there was time for: expect a better one from --effort normal."
     again = "one round alone found it" if found.hits else "no round alone found it"
     return f"{text}; {again}, {others}: expect a better one from --effort normal."
 

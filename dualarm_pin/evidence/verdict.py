@@ -107,7 +107,9 @@ def conclude(findings: Findings) -> Evidence:
     found = findings.searches
     checked = sentences.local(local)
     text = [
-        sentences.starts(laws, findings.agree, missed) if found is None else sentences.tries(found),
+        sentences.starts(laws, findings.agree, missed)
+        if found is None
+        else sentences.tries(found, laws),
         *([checked] if bound is None else [sentences.bound(bound, CLOSED_GAP), checked]),
         *([] if found is None else [sentences.starts(laws, findings.agree, missed)]),
         *([sentences.stopping(met)] if bound is None else []),

@@ -66,6 +66,7 @@ _LEAST = 0.15  # share of its work that a search does before its agreement with 
 _STEP = 50  # starts of each further law between two looks
 _LONGEST = 150  # iterations of a start: so many are expected until the first were made
 _UNSEEN = 0.5  # with more singletons among the minima of single points, most were never seen
+_BEYOND = 1.2  # a step like the last one that would end beyond this share is not begun
 _LOST = 3  # rounds that came to no path, after which walks are given up
 # Of the anchored law: postures, minima screened, paths refined; rounds where no search walks.
 _SCOUT, _SCOUTS = (250, 12, 3), 4
@@ -170,7 +171,7 @@ class Search:
         return Searches("rounds", tuple(self.independent[0].track.rounds), objective, hops)
 
     def _search(self) -> None:
-        share = self.budget.work / max(1, len(self.independent))
+        share, last = self.budget.work / max(1, len(self.independent)), 0.0
         while self.independent and self._goes_on():
             one = min(self.independent, key=lambda each: each.work.spent)
             if one.work.spent >= share:
@@ -178,8 +179,12 @@ class Search:
             lost = not one.pool.paths and len(one.track.rounds) >= _LOST
             if lost or not one.track.reachable:
                 return
+            if one.pool.paths and one.work.spent + last > _BEYOND * share:
+                return  # on a long path one step may be most of the work
             few = len(self.independent) == 1 and not one.track.rounds
+            before = one.work.spent
             one.step(_FIRST if few else None)
+            last = one.work.spent - before
             if self._settled():
                 return
 
