@@ -13,9 +13,11 @@ INSTALL := @$(BIN)/python -m pip install -qq --progress-bar off --disable-pip-ve
 paper: $(VENV)/.core
 	$(BIN)/dualarm-pin paper --out $(OUT)
 
-# On all processors; the tests of a module stay together, since they share its fixtures.
+# On all processors; the tests of a module stay together, since they share its fixtures. Those
+# marked slow run where CI=true, as .ci/run sets it: `make test CI=true` runs all of them.
+CHOSEN := $(if $(filter 1 true,$(CI)),,-m "not slow")
 test: $(VENV)/.dev
-	$(BIN)/python -m pytest -n auto --dist loadscope
+	$(BIN)/python -m pytest -n auto --dist loadscope $(CHOSEN)
 
 lint: $(VENV)/.dev
 	$(BIN)/ruff check .

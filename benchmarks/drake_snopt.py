@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from dualarm_pin.engine.solve import evaluate
+from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.errors import MissingExtraError
 from dualarm_pin.problem import Problem
 from dualarm_pin.reference import violation

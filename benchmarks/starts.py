@@ -15,10 +15,11 @@ import time
 
 import numpy as np
 
-from dualarm_pin.engine.solve import STATUS, evaluate
+from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.starts import common_postures, generator
+from dualarm_pin.solution import STATUS
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.task import Task
 from dualarm_pin.tolerance import TOLERANCE

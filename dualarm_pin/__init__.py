@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from dualarm_pin import clearance as clearance
     from dualarm_pin import indices as indices
     from dualarm_pin import rows as rows
+    from dualarm_pin import show as show
     from dualarm_pin import solvers as solvers
     from dualarm_pin.answer.folder import load_result as load_result
     from dualarm_pin.answer.folder import save_result as save_result
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from dualarm_pin.evidence.examine import examine as examine
     from dualarm_pin.exports import export as export
     from dualarm_pin.files.resources import urdf_folder as urdf_folder
-    from dualarm_pin.indices.index import Index as Index
     from dualarm_pin.motion.make import make_motion as make_motion
     from dualarm_pin.path import Path as Path
     from dualarm_pin.path import paths as paths
@@ -36,15 +36,8 @@ if TYPE_CHECKING:
     from dualarm_pin.planners.two_stage import plan_two_stage as plan_two_stage
     from dualarm_pin.planners.whole_path import plan_global as plan_global
     from dualarm_pin.planners.whole_path import polish as polish
-    from dualarm_pin.problem import Problem as Problem
     from dualarm_pin.relative import Relative as Relative
-    from dualarm_pin.show import Player as Player
-    from dualarm_pin.show import plots as plots
-    from dualarm_pin.show import write_report as write_report
-    from dualarm_pin.solution import Solution as Solution
-    from dualarm_pin.solvers.solver import Solver as Solver
     from dualarm_pin.task import Task as Task
-    from dualarm_pin.tolerance import Tolerance as Tolerance
 
 __version__ = "0.1.0"
 
@@ -52,23 +45,17 @@ _MODULES = {
     "clearance": "clearance",
     "indices": "indices",
     "paths": "path.paths",
-    "plots": "show.plots",
     "rows": "rows",
+    "show": "show",
     "solvers": "solvers",
 }
 _HOMES = {
     "Cell": "cell",
-    "Index": "indices.index",
     "Path": "path",
-    "Player": "show",
-    "Problem": "problem",
     "Relative": "relative",
     "Task": "task",
-    "Tolerance": "tolerance",
     "Trajectory": "answer.trajectory",
     "DualArmError": "errors",
-    "Solution": "solution",
-    "Solver": "solvers.solver",
     "examine": "evidence.examine",
     "export": "exports",
     "load_result": "answer.folder",
@@ -83,7 +70,6 @@ _HOMES = {
     "urdf_folder": "files.resources",
     "verified": "answer.verify",
     "verify": "answer.verify",
-    "write_report": "show",
 }
 
 __all__ = ["__version__", *_MODULES, *_HOMES]  # noqa: PLE0604 - the keys are strings

@@ -59,7 +59,7 @@ assert (cell.n, path.h) == (12, 31)
 # by a right angle.
 
 # %%
-dp.plots.figure_path(path, task.Gamma, title="Fig. 3")
+dp.show.plots.figure_path(path, task.Gamma, title="Fig. 3")
 
 # %% [markdown]
 # ## What is a good posture?
@@ -169,7 +169,7 @@ assert abs(whole.mean_index - 0.4063) < 1e-3
 # other 25, and the second cannot leave it.
 
 # %%
-dp.plots.figure_index(
+dp.show.plots.figure_index(
     methods,
     title="Fig. 4: the whole task against step by step",
 )
@@ -183,7 +183,7 @@ dp.plots.figure_index(
 # bounds.
 
 # %%
-dp.plots.figure_joints(
+dp.show.plots.figure_joints(
     cell,
     {"whole path at once": whole, "pseudo-inverse": local["free"]},
 )
@@ -202,7 +202,7 @@ best_first = dp.plan_local(task, whole.q[0], variant="free")
 curves = {"from the best path": best_first, **random}
 assert all(best_first.mean_index < t.mean_index for t in random.values())
 
-dp.plots.figure_index(
+dp.show.plots.figure_index(
     curves,
     title="Fig. 5: pseudo-inverse from several first postures",
 )
@@ -215,7 +215,7 @@ dp.plots.figure_index(
 # *Side by side* to compare. The page is part of this notebook: it works in a saved copy too.
 
 # %%
-dp.Player(task, methods, title="The paper's task", at=0.5)
+dp.show.Player(task, methods, title="The paper's task", at=0.5)
 
 # %% [markdown]
 # ## What was checked

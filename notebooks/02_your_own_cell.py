@@ -116,7 +116,7 @@ assert best.found
 assert 0.3 < best.mean_index < 1.0
 
 # %%
-dp.Player(task, {"around the corner": best}, title=cell.name, at=0.3)
+dp.show.Player(task, {"around the corner": best}, title=cell.name, at=0.3)
 
 # %% [markdown]
 # `found` is decided by a check with Pinocchio, not by the solver. It takes three lines to do so
@@ -219,7 +219,7 @@ for d, plan in zip(distances, plans, strict=True):
 assert all(plan.found for plan in plans)
 
 # %%
-dp.plots.figure_index(
+dp.show.plots.figure_index(
     {f"base at {d:.1f} m": plan for d, plan in zip(distances, plans, strict=True)},
     title="The same circle from four places",
     along="arc_length",
@@ -261,14 +261,14 @@ if mixed is not None:
     print(f"{mixed.n} joints, found {answer.found}, mean c {answer.mean_index:.4f} m^2")
     print(f"between the arms {answer.arm_clearance:.3f} m")
     assert answer.found and mixed.n == 13 and answer.arm_clearance > 0
-    shown = dp.Player(asked, {"zigzag": answer}, title=mixed.name, at=0.5)
+    shown = dp.show.Player(asked, {"zigzag": answer}, title=mixed.name, at=0.5)
 shown
 
 # %% [markdown]
 # ## Exercises
 #
 # 1. Turn the second robot: `placed(1.6, 1.6, -110)`. Which of its joints reach a bound?
-#    (`plots.figure_joints(cell, {"": best})`)
+#    (`dp.show.plots.figure_joints(cell, {"": best})`)
 # 2. A spindle may spin: `circle(0.1, height=0.2, points=21, free="spin")` leaves the rotation
 #    about the tool axis open. How much does $c$ gain from one more free direction?
 # 3. Write a cell file for your own robots and run `dualarm-pin check` on it. Do reach and bounds

@@ -86,7 +86,7 @@ assert beta <= 1 / alpha + 1e-12  # they meet only where u is an axis of the ell
 # arrow, the blue one is thin there, and through the fillet they turn with it.
 
 # %%
-dp.Player(
+dp.show.Player(
     task,
     {"best for force": best},
     title="What is strong is slow",
@@ -152,7 +152,7 @@ for name, t in answers.items():  # our own mean is that of the package
 # factor of fifteen. If the direction is known, say so.
 
 # %%
-dp.plots.figure_index(
+dp.show.plots.figure_index(
     {
         f"planned for {name}": dp.verified(task, t.q, method=t.method, solver=t.solver)
         for name, t in answers.items()
@@ -161,7 +161,7 @@ dp.plots.figure_index(
 )
 
 # %%
-dp.Player(
+dp.show.Player(
     task,
     {f"planned for {name}": t for name, t in answers.items()},
     title="Three indices",

@@ -59,8 +59,8 @@ from matplotlib.figure import Figure
 
 figure = Figure(figsize=(6.4, 3.2), layout="constrained")
 ax = figure.add_subplot()
-ax.plot(np.arange(1, len(objectives) + 1), objectives, "o", color=dp.plots.COLOURS[0], ms=4)
-ax.axhline(12.7309, color=dp.plots.COLOURS[1], lw=1.5, label="best known, 12.731")
+ax.plot(np.arange(1, len(objectives) + 1), objectives, "o", color=dp.show.plots.COLOURS[0], ms=4)
+ax.axhline(12.7309, color=dp.show.plots.COLOURS[1], lw=1.5, label="best known, 12.731")
 ax.set_xlabel("descent, sorted")
 ax.set_ylabel("objective (19)")
 ax.legend(frameon=False)
@@ -199,10 +199,10 @@ for name, t in steps.items():
     print(f"{name:35} mean c {t.mean_index:.3f}, objective {t.objective:8.3f}")
 assert all(best.mean_index < t.mean_index for t in list(steps.values())[1:])
 
-dp.plots.figure_index(steps)
+dp.show.plots.figure_index(steps)
 
 # %%
-dp.Player(
+dp.show.Player(
     task,
     {"best known": best, "a wrong incumbent": trap, "step by step": stepwise},
     title="Three answers to one task",

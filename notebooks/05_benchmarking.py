@@ -158,7 +158,7 @@ for row in placement.rows:
 figure = Figure(figsize=(6.4, 3.6), layout="constrained")
 ax = figure.add_subplot()
 for k, d in enumerate(distances):
-    ax.plot(step[k], mean[k], "o-", color=dp.plots.COLOURS[k], label=f"base at {d:.1f} m")
+    ax.plot(step[k], mean[k], "o-", color=dp.show.plots.COLOURS[k], label=f"base at {d:.1f} m")
     for m, weight in enumerate(weights):
         ax.annotate(f"{weight:g}", (step[k, m], mean[k, m]), (5, 5), textcoords="offset points")
 ax.margins(0.08)
@@ -193,7 +193,7 @@ for place in sorted((folder / "placement" / "best").iterdir()):
         by_weight[placed_task.smoothness] = plan
 assert len(by_weight) == 3
 shown = {f"λ = {weight:g}": by_weight[weight] for weight in sorted(by_weight)}
-dp.Player(task, shown, title="The same place, three weights", layout="overlay", at=1.0)
+dp.show.Player(task, shown, title="The same place, three weights", layout="overlay", at=1.0)
 
 # %% [markdown]
 # ## Exercises

@@ -11,6 +11,7 @@ from robot_table import needs_robots
 
 from dualarm_pin.errors import InputError
 from dualarm_pin.files.resources import urdf_folder
+from dualarm_pin.meshes import hull, load
 from dualarm_pin.meshes.formats import read_mesh
 from dualarm_pin.meshes.load import load_mesh
 from dualarm_pin.robot.packages import robot_data_share
@@ -147,3 +148,25 @@ def test_a_changed_file_is_read_again(tmp_path: Path) -> None:
     assert load_mesh(file, UNIT, hull=False) is first
     file.write_text(f"{SQUARE}f 1 2 3\n")
     assert load_mesh(file, UNIT, hull=False).num_tris == 1
+
+
+def test_a_mesh_with_more_triangles_than_load_in_ten_seconds_is_refused_with_advice(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "square.obj"
+    file.write_text(SQUARE + "f 1 2 3\nf 1 3 4\n")
+    monkeypatch.setattr(load, "_MOST", 2)
+    assert load_mesh(file, UNIT, True) is not None
+    monkeypatch.setattr(load, "_MOST", 1)
+    with pytest.raises(InputError, match=r"2 triangles are more than 1, .*: simplify the mesh"):
+        load_mesh(file, UNIT, False)
+
+
+def test_a_finely_cut_ball_is_too_round(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Every corner of it is on its hull, which no distance could be measured from."""
+    around = np.random.default_rng(0).normal(size=(6000, 3))
+    ball = around / np.linalg.norm(around, axis=1)[:, None]
+    monkeypatch.setattr(hull, "_MANY", 5000)
+    assert hull.too_round(ball)
+    ball[:3500] *= 0.5
+    assert not hull.too_round(ball)

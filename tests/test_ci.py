@@ -67,6 +67,21 @@ def test_elsewhere_it_is_a_skip_and_an_expected_failure_is_none(runs: dict[str, 
     assert re.search(r"= 2 failed, 1 xfailed, 2 errors in", runs["true"])
 
 
+@pytest.mark.parametrize(("ci", "all_of_them"), [("", False), ("true", True), ("1", True)])
+def test_slow_tests_run_in_ci(ci: str, all_of_them: bool) -> None:
+    done = subprocess.run(
+        ["make", "--dry-run", "test"],
+        cwd=HERE.parent,
+        env=os.environ | {"CI": ci},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    [command] = [line for line in done.stdout.splitlines() if "-m pytest" in line]
+    assert ('-m "not slow"' not in command) is all_of_them
+    assert "export CI=true" in (HERE.parent / ".ci" / "run").read_text()
+
+
 def test_ci_without_a_browser_fails_before_any_test(tmp_path: Path) -> None:
     (tmp_path / "dirname").symlink_to(str(shutil.which("dirname")))
     done = subprocess.run(

@@ -54,6 +54,15 @@ def test_what_links_of_one_arm_never_reach_is_not_asked_of_them_unless_they_are_
     assert ask(named)[1].required[number] == 0.04
 
 
+def test_what_an_arm_carries_counts_as_its_own_body() -> None:
+    """Nothing but the hand lies between them: no motion would do, and no search would find one."""
+    part = "cell.objects={part: {box: [0.1, 0.1, 0.1], on: arm1, at: {xyz: [0, 0, 0.06]}}}"
+    task, asked = ask("0.05", part)
+    assert dict(asked.lowered)[("arm1/link_5", "part")] == pytest.approx(0.047, abs=5e-4)
+    assert asked.required[task.cell.pairs.index(("arm1/link_5", "part"))] == 0.0
+    assert asked.required[task.cell.pairs.index(("arm2/link_5", "part"))] == 0.05
+
+
 @pytest.mark.parametrize(("asks", "pairs"), [(0.31, 1), (0.3, 0), (0.35, 3)])
 def test_what_the_path_forbids_is_named(asks: float, pairs: int) -> None:
     forbidden = {each.pair: each for each in ask(str(asks))[1].forbidden}

@@ -73,7 +73,11 @@ def test_contact_is_never_enough_and_a_hair_less_than_asked_is() -> None:
         ("{pairs: {a: -1}}", "clearance.pairs.a", "0 or more"),
         ("{requird: 1}", "clearance.requird", "did you mean 'required'"),
         ("on", "clearance", "or off is expected"),
-        ('{pairs: {"arm1/link_6": 1}}', "clearance.pairs.arm1/link_6", "two bodies with a space"),
+        (
+            '{pairs: {"arm1/link_6": 1}}',
+            "clearance.pairs.arm1/link_6",
+            "given one, 'arm1/link_6': name",
+        ),
         ('{pairs: {"arm1/link_6 arm2/link6": 1}}', "link6", "did you mean 'arm2/link_6'?"),
         ('{pairs: {"arm1/link_6 arm1/link_6": 1}}', "pairs", "one body twice"),
         (

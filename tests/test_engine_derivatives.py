@@ -11,7 +11,7 @@ import pytest
 from engine_cases import BareCell, ns16_cell, random_pair, random_problem
 
 from dualarm_pin import indices
-from dualarm_pin.engine.solve import evaluate
+from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.problem import Problem
 
 INDICES = [

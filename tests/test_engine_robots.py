@@ -8,7 +8,8 @@ import pytest
 from robot_table import NAMES, arguments, needs_robots
 
 from dualarm_pin.cell import Cell
-from dualarm_pin.engine.solve import evaluate, solve_many
+from dualarm_pin.engine.evaluation import evaluate
+from dualarm_pin.engine.solve import solve_many
 from dualarm_pin.indices import force
 from dualarm_pin.problem import Problem
 from dualarm_pin.relative import Relative

@@ -20,8 +20,9 @@ from engine_cases import (
 )
 
 from dualarm_pin import indices
+from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.engine.interior_point.line_search import Merit, remember
-from dualarm_pin.engine.solve import Options, evaluate, solve, solve_many
+from dualarm_pin.engine.solve import Options, solve, solve_many
 from dualarm_pin.engine.workspace import FILTER_SIZE
 from dualarm_pin.errors import EngineError, InputError, ShapeError
 from dualarm_pin.evidence.curvature import curvature_min

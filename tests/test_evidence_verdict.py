@@ -8,7 +8,7 @@ from itertools import product
 
 import numpy as np
 import pytest
-from answers import answer
+from answers import answer, changed
 from evidence_cases import minima_of_six, six_points
 
 from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, Searches
@@ -17,7 +17,7 @@ from dualarm_pin.errors import ShapeError
 from dualarm_pin.evidence import examine
 from dualarm_pin.evidence.laws import count, laws_suffice, missed_share
 from dualarm_pin.evidence.sentences import STOPPING_RULE
-from dualarm_pin.evidence.verdict import Findings, conclude
+from dualarm_pin.evidence.verdict import Findings, conclude, with_bound_without_clearance
 from dualarm_pin.search.law import Drawn
 from dualarm_pin.solution import Solutions
 
@@ -134,6 +134,43 @@ def test_a_bound_above_the_path_is_said_to_be_wrong_and_closes_nothing() -> None
         "piece search (445 starts each, minimum hit 3 to 15 times) missed a minimum, or the bound "
         "is wrong: it bounds nothing."
     )
+
+
+def test_a_bound_without_clearance_says_what_it_means_for_an_answer_with_it() -> None:
+    said = replace(conclude(findings("strict", "none", "none")), sentences="Moved apart.\nMinimum.")
+    with_clearance = replace(changed(answer(), objective=12.8685), evidence=said)
+    evidence = with_bound_without_clearance(with_clearance, CLOSED)
+    assert evidence.verdict == "local_only"
+    assert evidence.lower_bound == 12.7308
+    assert evidence.gap == pytest.approx(1.0 - 12.7308 / 12.8685)
+    assert evidence.sentences.split("\n") == [
+        "Moved apart.",
+        "Without clearance, splitting into 3 pieces: no better path can exist below 12.7308 (gap "
+        "0.00079 %) unless a piece search (445 starts each, minimum hit 3 to 15 times) missed a "
+        "minimum. Keeping bodies apart can only raise the objective, so it bounds this answer too "
+        "(gap 1.1 %). The answer lies 1.1 % above the best path known without clearance (12.7309); "
+        "how much of that is needed is not known.",
+        "Minimum.",
+    ]
+    result = replace(with_clearance, evidence=evidence)
+    details = result_json(result)["evidence"]["details"]
+    assert details["bound_without_clearance"] == 12.7309
+    assert (
+        "made without clearance, which can only raise the objective" in (details["bound_condition"])
+    )
+    assert not [word for word in FORBIDDEN if word in evidence.sentences.lower()]
+    assert evidence.bound is not None
+    higher = evidence.bound.shifted(2.0)
+    assert higher.without_clearance == pytest.approx(14.7309)
+    assert higher.tried == {(10, 20): pytest.approx(14.7308)}
+
+
+def test_a_bound_above_a_path_without_clearance_bounds_nothing_with_it_either() -> None:
+    with_clearance = changed(answer(), objective=14.0)
+    evidence = with_bound_without_clearance(with_clearance, BOUNDS["above"])
+    assert evidence.bound is not None
+    assert evidence.bound.contradicted
+    assert evidence.sentences.split("\n")[1].endswith("it bounds nothing.")
 
 
 @pytest.mark.parametrize(

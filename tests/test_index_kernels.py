@@ -10,8 +10,8 @@ import pytest
 from engine_cases import BareCell, random_pair
 
 from dualarm_pin import indices, reference
+from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.engine.kernels import KERNELS
-from dualarm_pin.engine.solve import evaluate
 from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
 from dualarm_pin.relative import Relative

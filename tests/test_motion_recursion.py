@@ -4,15 +4,29 @@ from __future__ import annotations
 
 import platform
 import sys
+from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
+import pinocchio as pin
 import pytest
 from scipy.interpolate import CubicSpline
 from scipy.optimize import linprog
 
+from dualarm_pin.cell import Cell
+from dualarm_pin.motion.limits import Limits
 from dualarm_pin.motion.recursion import fastest
+from dualarm_pin.motion.time_optimal import limit_rows
+from dualarm_pin.motion.torque import Torques
 
 N, JOINTS = 300, 12
+
+
+LINUX = pytest.mark.xfail(
+    (sys.platform, platform.machine()) != ("linux", "x86_64"),
+    reason="toppra has wheels for Linux x86_64 alone",
+    run=False,
+)
 
 
 def duration(s: np.ndarray, x: np.ndarray) -> float:
@@ -98,11 +112,7 @@ def test_every_reachable_speed_is_that_of_a_linear_programme(seed: int) -> None:
     assert np.allclose(x, forward, rtol=1e-6, atol=1e-9)
 
 
-@pytest.mark.xfail(
-    (sys.platform, platform.machine()) != ("linux", "x86_64"),
-    reason="toppra has wheels for Linux x86_64 alone",
-    run=False,
-)
+@LINUX
 def test_durations_are_those_of_toppra_on_thirty_paths() -> None:
     toppra = pytest.importorskip("toppra")
     toppra.setup_logging("ERROR")
@@ -123,6 +133,76 @@ def test_durations_are_those_of_toppra_on_thirty_paths() -> None:
         assert code == -1
         expected = duration(s, theirs.problem_data.sd_vec**2)
         assert duration(s, x) == pytest.approx(expected, rel=5e-3)
+
+
+def with_torque(cell: Cell, seed: int):
+    """Return a random path of a cell's joints, and limits of which torque is one that binds."""
+    rng = np.random.default_rng(seed)
+    middle, half = (cell.lower + cell.upper) / 2, (cell.upper - cell.lower) / 2
+    way = middle + 0.5 * half * rng.uniform(-1, 1, (int(rng.integers(4, 9)), cell.n))
+    places = np.linspace(0.0, 1.0, len(way))
+    curve = SimpleNamespace(
+        at=CubicSpline(places, way),
+        relative=SimpleNamespace(direction=lambda s: np.zeros((len(s), 6))),
+    )
+    s = np.linspace(0.0, 1.0, N)
+    q, still = curve.at(s), np.zeros((N, cell.n))
+    load = np.abs(Torques(cell, 0.0).static(q, np.zeros((N, 6)))).max(axis=0)
+    inertia = np.abs(Torques(cell, 0.0).moving(q, still, curve.at(s, 1))).max(axis=0)
+    limits = Limits(
+        tuple(map(str, range(cell.n))),
+        velocity=rng.uniform(1, 3, cell.n),
+        acceleration=rng.uniform(5, 20, cell.n),
+        jerk=np.full(cell.n, np.inf),
+        torque=load + rng.uniform(0.05, 0.3, cell.n) * np.maximum(inertia, load.max() / 1000),
+        kinds=("velocity", "acceleration", "torque"),
+    )
+    return s, (places, way), curve, limits
+
+
+@LINUX
+def test_durations_with_torque_are_those_of_toppra_on_twelve_paths(cell: Cell) -> None:
+    toppra = pytest.importorskip("toppra")
+    toppra.setup_logging("ERROR")
+    assert not cell.massless_joints
+    model, data, to_model = cell.model, cell.data(), cell.joint_map.T
+
+    def torque(q, velocity, acceleration):  # not by rnea, which ours is by
+        q, v = q @ to_model + cell.joint_offset, velocity @ to_model
+        inertia = pin.crba(model, data, q)
+        inertia = np.triu(inertia) + np.triu(inertia, 1).T
+        rest = pin.nonLinearEffects(model, data, q, v)
+        return (inertia @ (acceleration @ to_model) + rest) @ cell.joint_map
+
+    slower = []
+    for seed in range(12):
+        s, (places, way), curve, limits = with_torque(cell, seed)
+        most = np.min((limits.velocity / np.abs(curve.at(s, 1))) ** 2, axis=1)
+        code, x = fastest(s, limit_rows(curve, limits, Torques(cell, 0.0), s), most, True)
+        free = replace(limits, kinds=("velocity", "acceleration"))
+        _, light = fastest(s, limit_rows(curve, free, Torques(cell, 0.0), s), most, True)
+        theirs = toppra.algorithm.TOPPRA(
+            [
+                toppra.constraint.JointVelocityConstraint(limits.velocity),
+                toppra.constraint.JointAccelerationConstraint(
+                    limits.acceleration, discretization_scheme=1
+                ),
+                toppra.constraint.JointTorqueConstraint(
+                    torque,
+                    np.stack([-limits.torque, limits.torque], axis=1),
+                    np.zeros(cell.n),
+                    discretization_scheme=1,
+                ),
+            ],
+            toppra.SplineInterpolator(places, way),
+            gridpoints=s,
+        )
+        theirs.compute_parameterization(0.0, 0.0)
+        assert code == -1
+        expected = duration(s, theirs.problem_data.sd_vec**2)
+        assert duration(s, x) == pytest.approx(expected, rel=1e-4)
+        slower.append(duration(s, x) / duration(s, light))
+    assert min(slower) > 1.05  # torque holds every one of them back
 
 
 def test_a_row_that_nothing_keeps_names_its_point() -> None:

@@ -10,8 +10,9 @@ import pinocchio as pin
 import pytest
 from engine_cases import BareCell, random_pair
 
+from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.engine.sensitivity import sensitivity
-from dualarm_pin.engine.solve import Options, evaluate, solve, solve_many
+from dualarm_pin.engine.solve import Options, solve, solve_many
 from dualarm_pin.errors import InputError, UnknownNameError
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.indices import force, yoshikawa

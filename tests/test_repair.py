@@ -3,28 +3,37 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
+from paper_case import TASK
 
+import dualarm_pin.evidence.bound as bound_module
+from dualarm_pin.answer.folder import load_result, save_result
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.clearance.extent import corners_of
-from dualarm_pin.engine.solve import gaps
+from dualarm_pin.engine.evaluation import gaps
+from dualarm_pin.evidence.ascent import BoundOptions
 from dualarm_pin.evidence.check import check_held, polished
+from dualarm_pin.evidence.piece_search import SearchOptions
 from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners.apart import held_problem
+from dualarm_pin.planners.effort import BUDGETS
 from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.repair.basin import Basin, inner_postures
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
-from dualarm_pin.repair.known import Known
-from dualarm_pin.repair.meter import Meter, OverError
-from dualarm_pin.repair.survey import Survey
+from dualarm_pin.repair.known import Known, Measured
+from dualarm_pin.repair.meter import LongError, Meter, OverError
+from dualarm_pin.repair.pool import EFFORTS, keep_apart
+from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
+from dualarm_pin.show.report_tables import tables_of
 from dualarm_pin.task import Task
 
 Array = NDArray[np.float64]
@@ -126,16 +135,68 @@ def test_the_answer_is_found_only_where_the_check_confirms_every_pair(task: Task
     assert answer.evidence.verdict == "local_only"
 
 
+def test_where_bodies_must_not_touch_a_little_more_is_asked_of_the_search() -> None:
+    """Contact is never accepted: a dip between two postures of the repair would be refused."""
+    near = ["clearance=0", "cell.arms.arm2.base.xyz=[2.2, 0, 0]"]
+    answer = plan_global(Task.load(TASK, near), effort="quick", seed=0)
+    assert answer.found
+    assert answer.checked.apart is not None
+    assert answer.checked.apart.level == "certified"
+    assert answer.checked.apart.least_between is not None
+    assert 0.0 < answer.checked.apart.least_between < 1e-3
+
+
+def test_a_bound_without_clearance_stands_beside_the_answer_that_keeps_one(
+    task: Task, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A small budget: what `thorough` does, without its work."""
+    small = BoundOptions(SearchOptions(wide=60, most=120, postures=60), steps=8, rounds=1)
+    monkeypatch.setattr(bound_module, "BoundOptions", lambda: small)
+    monkeypatch.setitem(BUDGETS, "thorough", replace(BUDGETS["quick"], bound=True))
+    monkeypatch.setitem(EFFORTS, "thorough", EFFORTS["quick"])
+    answer = plan_global(task, effort="thorough", seed=0)
+    bound, free = answer.evidence.bound, 12.7309
+    assert answer.found
+    assert bound is not None
+    assert bound.without_clearance == pytest.approx(free, abs=1e-4)
+    assert bound.objective == answer.objective > free
+    assert bound.value <= free + 1e-4
+    first, second, *_ = answer.evidence.sentences.split("\n")
+    assert first.startswith("With clearance:")
+    assert second.startswith("Without clearance, splitting into")
+    assert answer.evidence.verdict == "local_only"
+    save_result(tmp_path, task, answer)
+    assert load_result(tmp_path)[1].evidence == answer.evidence
+    rows = dict(tables_of([(task, answer)])["Evidence"])
+    assert rows["lower bound"][0].endswith("made without clearance")
+    assert rows["known without clearance"][0].startswith("12.73089; the answer lies ")
+
+
 def test_a_distance_that_is_known_from_a_nearby_pose_is_never_too_large(survey: Survey) -> None:
-    points, _ = survey.pairs.hulls[0]
-    known, random = Known(points), np.random.default_rng(4)
+    points, radius = survey.pairs.hulls[0]
+    known, random = Known(box_around(points, radius)), np.random.default_rng(4)
     pose = np.eye(4)
-    known.add(pose, 0.2)
-    assert known.least(pose) == (0.2, False)
+    measured = Measured(0.2, np.zeros(3), np.ones(3))
+    known.add(pose, 0.2, measured)
+    assert known.least(pose) == (0.2, False, measured)
     for _ in range(20):
         moved = pin.exp6(random.normal(scale=0.05, size=6)).homogeneous
         away = np.linalg.norm(points @ moved[:3, :3].T + moved[:3, 3] - points, axis=1).max()
         assert known.least(moved)[0] <= 0.2 - away + 1e-12
+        assert known.least(moved)[2] is None
+
+
+def test_what_is_measured_again_nearby_is_what_is_measured_anew(task: Task, survey: Survey) -> None:
+    random = np.random.default_rng(7)
+    q = random.uniform(task.cell.lower, task.cell.upper, (20, task.cell.n))
+    survey.contacts(q, 0.1)
+    for shift in (0.0, 1e-3, 0.05):
+        near = q + shift * random.normal(size=q.shape)
+        again = survey.contacts(near, 0.1)
+        anew = Survey(task.problem(), survey.pairs).contacts(near, 0.1)
+        np.testing.assert_array_equal(again.point, anew.point)
+        np.testing.assert_array_equal(again.pair, anew.pair)
+        np.testing.assert_allclose(again.distance, anew.distance, atol=2e-4)
 
 
 def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, best: Array) -> None:
@@ -149,6 +210,48 @@ def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, b
     at = rows.inequalities
     broken = gaps(rows, end)[np.arange(at.kind.shape[1]) < at.size[:, None]]
     assert np.all(broken < 0.0)
+
+
+def test_more_room_on_one_line_moves_a_pair_apart_there(
+    task: Task, survey: Survey, basin: Basin, best: Array
+) -> None:
+    path = basin.repaired(best)
+    assert path is not None
+    between = survey.contacts(inner_postures(path.q), 0.1)
+    tightest = int(np.argmax(between.lack))
+    pair, line = int(between.pair[tightest]), int(between.point[tightest]) // 3
+    wider = basin.roomier(path, pair, line, 5e-3)
+    assert wider is not None
+    ends = wider.q[line : line + 2]
+    distance = [task.cell.distances(x)[survey.pairs.number[pair]] for x in ends]
+    assert min(distance) > survey.pairs.required[pair] + 4e-3
+    assert np.all(wider.extra >= path.extra)
+
+
+def test_ctrl_c_keeps_what_came_apart_so_far(
+    survey: Survey, best: Array, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupted(*_: object, **__: object) -> Array:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("dualarm_pin.repair.pool.walked", interrupted)
+    minima = [(survey.problem.objective(best), best)]
+    apart = keep_apart(Basin(survey, between=True), minima, EFFORTS["quick"], seed=0, jobs=1)
+    assert apart.cut
+    assert apart.best is not None
+    assert apart.tried == 1
+
+
+def test_one_path_may_cost_a_share_of_the_budget(task: Task) -> None:
+    meter = Meter(task.problem(), 1.0)
+    meter.allow(0.5)
+    meter.solved(0, 1, 0)
+    with pytest.raises(LongError):
+        for _ in range(4000):
+            meter.meshes()
+    meter.allow(np.inf)
+    meter.meshes()
+    assert 0.5 < meter.spent < 0.6
 
 
 def test_a_budget_ends_a_repair_and_what_was_found_is_kept(task: Task, best: Array) -> None:

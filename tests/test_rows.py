@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from paper_case import world_pose
 
 from dualarm_pin import indices
-from dualarm_pin.engine.solve import evaluate, solve, solve_many
+from dualarm_pin.engine.evaluation import evaluate
+from dualarm_pin.engine.solve import solve, solve_many
 from dualarm_pin.errors import InputError, UnknownNameError
 from dualarm_pin.evidence.curvature import curvature_min
 from dualarm_pin.evidence.kkt import stationarity

@@ -38,7 +38,7 @@ DETAIL_KEYS = (
     "return_radius return_share adopted_from_nearby limit_cost costliest_joint laws_agree "
     "unseen_share expected_better stopping_rule stopping_rule_met bound_pieces bound_cuts "
     "bound_condition bound_seconds bound_complete bound_tried bound_found_better bound_replaced "
-    "piece_starts piece_hits"
+    "bound_without_clearance piece_starts piece_hits"
 ).split()
 
 

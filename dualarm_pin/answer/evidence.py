@@ -7,7 +7,7 @@ them and every page can show them.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import nan
 from typing import Annotated, Literal
 
@@ -22,7 +22,8 @@ Number = Annotated[float, BeforeValidator(lambda value: nan if value is None els
 Count = Annotated[int, Field(ge=0, le=2**53)]
 SAME_ANSWER = 1e-4  # share of the objective below which two searches found the same
 LEAST_SEARCHES = 3
-CONDITION = "valid as far as no piece search missed a minimum"
+_CONDITION = "valid as far as no piece search missed a minimum"
+_WITHOUT = "made without clearance, which can only raise the objective"
 
 
 @dataclass(frozen=True)
@@ -165,6 +166,9 @@ class Bound:
         found_better: A better path was found on the way.
         replaced: Objective of the incumbent before that path took its place; None if none did.
         complete: False if Ctrl-C ended it early.
+        without_clearance: Objective of the best path known without clearance, where the bound was
+            made without it for an answer that keeps one: what has to be kept only raises the
+            objective, so the bound holds for the answer too. None otherwise.
     """
 
     value: Number
@@ -177,6 +181,19 @@ class Bound:
     found_better: bool = False
     replaced: float | None = None
     complete: bool = True
+    without_clearance: float | None = None
+
+    def shifted(self, constant: float) -> Bound:
+        """Return the same about an objective that is larger by a constant."""
+        without = self.without_clearance
+        return replace(
+            self,
+            value=self.value + constant,
+            objective=self.objective + constant,
+            tried={cuts: value + constant for cuts, value in self.tried.items()},
+            replaced=None if self.replaced is None else self.replaced + constant,
+            without_clearance=None if without is None else without + constant,
+        )
 
     @property
     def pieces(self) -> int:
@@ -190,12 +207,20 @@ class Bound:
 
     @property
     def contradicted(self) -> bool:
-        """Whether the incumbent lies below the bound, by more than two solves of it may differ.
+        """Whether a known path lies below the bound, by more than two solves of it may differ.
 
         Then a piece search missed a minimum, or the bound is wrong: either way it bounds nothing.
         """
-        level = TOLERANCE.same_objective * max(1.0, abs(self.objective))
-        return self.value > self.objective + level
+        known = self.objective
+        if self.without_clearance is not None:
+            known = min(known, self.without_clearance)
+        level = TOLERANCE.same_objective * max(1.0, abs(known))
+        return self.value > known + level
+
+    @property
+    def condition(self) -> str:
+        """Under which condition it holds, in words."""
+        return _CONDITION if self.without_clearance is None else f"{_CONDITION}; {_WITHOUT}"
 
     @property
     def beaten(self) -> bool:

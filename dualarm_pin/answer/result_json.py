@@ -19,7 +19,7 @@ from pydantic_core import from_json, to_json
 
 from dualarm_pin.answer.alternatives import alternatives_json
 from dualarm_pin.answer.apart_json import ApartFile, LinesFile, apart_json, lines_json, read_apart
-from dualarm_pin.answer.evidence import CONDITION, Bound, Count, Evidence, LocalCheck, Number
+from dualarm_pin.answer.evidence import Bound, Count, Evidence, LocalCheck, Number
 from dualarm_pin.answer.notes import NOTES
 from dualarm_pin.answer.provenance import Timing
 from dualarm_pin.answer.trajectory import Checked, Distances, RowValues, Trajectory
@@ -121,7 +121,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
     if bound is not None:
         details |= {
             "bound_cuts": _from_1(bound.cuts),
-            "bound_condition": CONDITION,
+            "bound_condition": bound.condition,
             "bound_contradicted": bound.contradicted,
             "bound_seconds": bound.seconds,
             "bound_complete": bound.complete,
@@ -130,6 +130,7 @@ def _evidence(evidence: Evidence) -> dict[str, Any]:
             ],
             "bound_found_better": bound.found_better,
             "bound_replaced": bound.replaced,
+            "bound_without_clearance": bound.without_clearance,
         }
     return content | {"details": details}
 

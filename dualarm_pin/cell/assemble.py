@@ -14,7 +14,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.cell.chains import Chains
 from dualarm_pin.cell.controller import controller_of
 from dualarm_pin.cell.joint_roles import roles_of
-from dualarm_pin.cell.joint_settings import Blame, Settings, find_joints, settings_of
+from dualarm_pin.cell.joint_settings import Blame, RobotSettings, find_joints, settings_of
 from dualarm_pin.cell.merged_model import joint_map_of, merged_model
 from dualarm_pin.cell.merged_urdf import TOOLS, WORLD
 from dualarm_pin.cell.objects import PlacedObject, colliding_links, placed_objects
@@ -112,7 +112,10 @@ def assemble(loader: Loader) -> CellParts:
 
 
 def _free(
-    chains: Mapping[str, Chains], settings: Mapping[str, Settings], spec: CellSpec, blame: Blame
+    chains: Mapping[str, Chains],
+    settings: Mapping[str, RobotSettings],
+    spec: CellSpec,
+    blame: Blame,
 ) -> list[str]:
     names = []
     for name in spec.free:

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from dualarm_pin.cell.build_bodies import Bodies
 from dualarm_pin.cell.parts import ARMS, Clearance
+from dualarm_pin.cell.solids import Solids
 
 Scratch = dict[str, Any]
 
@@ -31,8 +32,7 @@ def smallest(
         scratch: Work space of one thread and one cell.
         between_arms: Only pairs of a body of arm1 and one of arm2, with what they carry.
         meshes: The same bodies with meshes as they are; then the hulls only bound from below, and
-            pairs are measured again until no other can be nearer. (A mesh is a surface: a part that
-            is wholly inside another counts as apart.)
+            pairs are measured again until no other can be nearer.
     """
     scene, any_active = _scene_of(hulls, scratch, between_arms=between_arms)
     if not any_active:
@@ -67,7 +67,7 @@ def measured(
     bound = float(pin.computeDistance(hulls.model, scene, pair).min_distance)
     if meshes is None:
         return bound
-    return _exact(meshes, _placed(model, meshes, scratch), pair, bound)
+    return _exact(meshes, scratch, _placed(model, meshes, scratch), pair, bound)
 
 
 def placed(
@@ -86,12 +86,16 @@ def placed(
         return bound
     exact = _data_of(meshes, scratch)
     exact.oMg[ends.first], exact.oMg[ends.second] = poses
-    return _exact(meshes, exact, pair, bound)
+    return _exact(meshes, scratch, exact, pair, bound)
 
 
-def _exact(meshes: Bodies, exact: pin.GeometryData, pair: int, bound: float) -> float:
+def _exact(
+    meshes: Bodies, scratch: Scratch, exact: pin.GeometryData, pair: int, bound: float
+) -> float:
     """Return the distance of placed meshes; those that meet have no depth: the hulls say it."""
-    distance = float(pin.computeDistance(meshes.model, exact, pair).min_distance)
+    if "solids" not in scratch:
+        scratch["solids"] = Solids(meshes.model)
+    distance = float(scratch["solids"].distance(pair, exact, bound).min_distance)
     return min(bound, 0.0) if distance <= 0.0 else distance
 
 
@@ -142,7 +146,7 @@ def _measured(
     for k in np.argsort(bound, kind="stable"):
         if bound[k] >= best:
             break
-        distance = _exact(meshes, exact, int(k), bound[k])
+        distance = _exact(meshes, scratch, exact, int(k), float(bound[k]))
         if distance < best:
             best, pair = distance, int(k)
     return _named(hulls, pair, best)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 
-from dualarm_pin.cell.joint_settings import Settings
+from dualarm_pin.cell.joint_settings import RobotSettings
 from dualarm_pin.cell.parts import Joint, Owner
 from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.tolerance import TOLERANCE
@@ -14,7 +14,7 @@ TURN = 2.0 * math.pi
 _FAR = 1000.0  # a bound beyond this [rad or m] means "none"
 
 
-def column(joint: UrdfJoint, owner: Owner, settings: Settings) -> tuple[Joint, list[str]]:
+def column(joint: UrdfJoint, owner: Owner, settings: RobotSettings) -> tuple[Joint, list[str]]:
     """Return a joint as a column of q, with warnings.
 
     Raises:
@@ -69,7 +69,7 @@ def _own_bounds(joint: UrdfJoint) -> tuple[tuple[float, float] | None, bool]:
 
 
 def narrowed(
-    leader: Joint, joint: UrdfJoint, multiplier: float, offset: float, settings: Settings
+    leader: Joint, joint: UrdfJoint, multiplier: float, offset: float, settings: RobotSettings
 ) -> tuple[Joint, list[str]]:
     """Return a column whose follower keeps its own limits, with warnings.
 

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from dualarm_pin.cell.joint_limits import column, narrowed, span
-from dualarm_pin.cell.joint_settings import Settings
+from dualarm_pin.cell.joint_settings import RobotSettings
 from dualarm_pin.cell.parts import Joint, Owner
 from dualarm_pin.robot.robot import UrdfJoint
 from dualarm_pin.tolerance import TOLERANCE
@@ -39,7 +39,7 @@ class Roles:
     warnings: list[str] = field(default_factory=list)
 
 
-def roles_of(settings: Settings, free: Iterable[str]) -> Roles:
+def roles_of(settings: RobotSettings, free: Iterable[str]) -> Roles:
     """Sort the joints of one URDF; `free` are the common joints that may move.
 
     Raises:
@@ -71,7 +71,7 @@ def roles_of(settings: Settings, free: Iterable[str]) -> Roles:
     return out
 
 
-def _refuse_idle_settings(settings: Settings, out: Roles) -> None:
+def _refuse_idle_settings(settings: RobotSettings, out: Roles) -> None:
     chains = f"the joints of the two chains ({', '.join(out.columns) or 'none'})"
     # A follower may have limits of motion: they bind the joint that leads it.
     for word, what, allowed in (
@@ -88,7 +88,7 @@ def _refuse_idle_settings(settings: Settings, out: Roles) -> None:
                 raise settings.error(message, word, name)
 
 
-def _leader(settings: Settings, name: str, live: Mapping[str, Owner], out: Roles) -> None:
+def _leader(settings: RobotSettings, name: str, live: Mapping[str, Owner], out: Roles) -> None:
     """Record a mimic joint as follower if the joint at the end of its mimics is a column."""
     robot = settings.chains.robot
     joints = robot.joints
@@ -110,7 +110,7 @@ def _leader(settings: Settings, name: str, live: Mapping[str, Owner], out: Roles
         )
 
 
-def _locked(joint: UrdfJoint, settings: Settings) -> float:
+def _locked(joint: UrdfJoint, settings: RobotSettings) -> float:
     """Return where a locked joint stands: as asked, as mimicked, or nearest to 0 in its bounds."""
     lower = -math.inf if joint.lower is None else joint.lower
     upper = math.inf if joint.upper is None else joint.upper

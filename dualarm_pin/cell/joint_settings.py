@@ -27,7 +27,7 @@ _WORDS = {
 
 
 @dataclass
-class Settings:
+class RobotSettings:
     """Settings of the joints of one URDF, in SI units, by plain joint name.
 
     Attributes:
@@ -76,13 +76,15 @@ class Settings:
         )
 
 
-def settings_of(robots: Mapping[str, Chains], spec: CellSpec, blame: Blame) -> dict[str, Settings]:
+def settings_of(
+    robots: Mapping[str, Chains], spec: CellSpec, blame: Blame
+) -> dict[str, RobotSettings]:
     """Return the settings for each URDF of the cell: `arm1` and `arm2`, or `both`.
 
     Raises:
         InputError: A joint does not exist, is fixed, or is given degrees though it is prismatic.
     """
-    found = {name: Settings(chains, blame) for name, chains in robots.items()}
+    found = {name: RobotSettings(chains, blame) for name, chains in robots.items()}
     levels: list[tuple[tuple[str, ...], JointSettings, tuple[str, ...]]]
     levels = [((), spec, ("both", *ARMS))]
     levels += [(("arms", arm), getattr(spec.arms, arm), ("both", arm)) for arm in ARMS]

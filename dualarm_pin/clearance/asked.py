@@ -69,7 +69,7 @@ class Asked:
         required: Distance that each pair of `Cell.pairs` must keep (p,) [m]; -inf for nothing.
             (0,) where nothing is asked of any pair, or bodies are missing.
         fixed: Pairs whose distance the path itself fixes.
-        lowered: Pairs of links of one arm that come nowhere as far apart as is asked of every
+        lowered: Pairs of bodies of one arm that come nowhere as far apart as is asked of every
             pair: they are asked not to touch; and the most they reach [m].
         forbidden: What no motion of the joints can keep: the task has no answer.
     """
@@ -131,11 +131,13 @@ def _or_less(required: float | None) -> float:
 def _out_of_reach(
     cell: Cell, rule: ClearanceRule, required: Array
 ) -> tuple[tuple[Pair, float], ...]:
-    """Return the pairs of one arm that never are as far apart as is asked of every pair."""
+    """Return the pairs of one arm that never are as far apart as is asked of every pair.
+
+    What an arm carries belongs to it.
+    """
     if not rule.distance:
         return ()
-    arms = [tuple(body.split("/")[0] for body in pair) for pair in cell.pairs]
-    own = np.array([one == two for one, two in arms]) & (required == rule.distance)
+    own = ~cell.apart_by_nature & (required == rule.distance)
     own &= [(pair not in rule.pairs and pair[::-1] not in rule.pairs) for pair in cell.pairs]
     draw = np.random.default_rng(0).uniform(cell.lower, cell.upper, (_POSTURES, cell.n))
     most = np.max([cell.distances(q) for q in draw], axis=0)

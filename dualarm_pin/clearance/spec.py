@@ -81,6 +81,9 @@ def _two_bodies(text: str, bodies: tuple[str, ...]) -> Pair:
     for first, second in cuts:
         if first in bodies and second in bodies:
             return first, second
+    if text in bodies:
+        message = f"expected two bodies with a space between; given one, {text!r}: name the other"
+        raise InputError(message, field=f"clearance.pairs.{text}")
     if len(cuts) != 1:
         message = f"expected two bodies with a space between; given {text!r}"
         raise InputError(f"{message}; {nearest(text, bodies)}", field=f"clearance.pairs.{text}")

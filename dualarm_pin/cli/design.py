@@ -44,11 +44,12 @@ def design(
             progress.line(f"warning: {warning}")
         progress.stage("first motion")
         pages = Pages(loaded, out or Path("results") / f"{task.stem}-design", seed=seed, jobs=jobs)
-    serve(
-        pages.open,
-        port,
-        browser,
-        talk=pages.talk,
-        ready=lambda address: print(f"{address} (Ctrl-C ends it)", flush=True),
-    )
+    with pages:
+        serve(
+            pages.open,
+            port,
+            browser,
+            talk=pages.talk,
+            ready=lambda address: print(f"{address} (Ctrl-C ends it)", flush=True),
+        )
     return DONE

@@ -1,12 +1,10 @@
 """One page's session: it follows what is moved, and searches behind it.
 
-A search works on a copy of where things stood, in a thread of its own; the engine leaves Python's
-lock free. So following goes on meanwhile.
+A search works on a copy of where things stood, elsewhere; following goes on meanwhile.
 """
 
 from __future__ import annotations
 
-import os
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -14,14 +12,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.arrays import Array
+from dualarm_pin.design.answer import Answer
 from dualarm_pin.design.messages import State
-from dualarm_pin.design.session import Answer, Session
-from dualarm_pin.design.slopes import slopes_of
+from dualarm_pin.design.searcher import Outcome, Searcher
+from dualarm_pin.design.session import Session
 from dualarm_pin.design.standing import stands
 from dualarm_pin.errors import InputError, UnknownNameError, nearest
-from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.show.placement import save_with_cell
 from dualarm_pin.task.changed import changed_task
 
@@ -39,24 +36,23 @@ class Found:
         number: Number of the motion in this session, from 0; -1 where none was found.
         state: Where things stood.
         task: The task there.
-        trajectory: Its answer, checked.
-        slopes: Change of the objective per m and rad of base 2; None where they are not known.
+        outcome: The answer, checked, and the slopes there.
     """
 
     number: int
     state: State
     task: Task
-    trajectory: Trajectory
-    slopes: dict[str, float] | None
+    outcome: Outcome
 
 
 class Desk:
-    """A session, what its last search found, and the thread that searches.
+    """A session, what its last search found, and the thread that waits for the search.
 
     Args:
         task: The task; its cell is where the session starts.
-        seed: Seed of the searches.
-        jobs: Threads of a search; all processors but one if None.
+        searcher: What searches; in this process if None.
+        seed: Seed of the first motions.
+        jobs: Threads for these.
 
     Attributes:
         session: The session; only under `lock`.
@@ -68,14 +64,19 @@ class Desk:
         InputError: No start reaches the whole path where the cell stands.
     """
 
-    def __init__(self, task: Task, *, seed: int = 0, jobs: int | None = None) -> None:
+    def __init__(
+        self,
+        task: Task,
+        searcher: Searcher | None = None,
+        *,
+        seed: int = 0,
+        jobs: int | None = None,
+    ) -> None:
         self.session = Session(task, seed=seed, jobs=jobs)
         self.state = State(smoothness=task.smoothness)
         self.found: Found | None = None
         self.lock = threading.RLock()
-        self._seed = seed
-        # One processor is left to what follows.
-        self._jobs = jobs or max(1, (os.cpu_count() or 1) - 1)
+        self._searcher = searcher or Searcher(seed, jobs, process=False)
         self._asked = (task.smoothness, dict[str, tuple[float, float]]())
         self._last = self.session.answer.q
         self._motions: dict[int, Array] = {}
@@ -134,9 +135,9 @@ class Desk:
         """
         with self.lock:
             found = self.here
-        if found is None or not found.trajectory.found:
+        if found is None or not found.outcome.trajectory.found:
             raise InputError("nothing is found here yet: wait for the search", field="save")
-        save_with_cell(folder, found.task, found.trajectory)
+        save_with_cell(folder, found.task, found.outcome.trajectory)
 
     def wait(self, seconds: float) -> None:
         """Wait until no search runs, at most so long."""
@@ -177,18 +178,15 @@ class Desk:
                         return
                     self._wanted = False
                     state, task = self.state, self.task_here()
-                found = plan_global(task, effort="quick", seed=self._seed, jobs=self._jobs)
-                slopes = slopes_of(task, found) if found.found else None
+                outcome = self._searcher.search(task)
                 with self.lock:
-                    self._keep(state, task, found, slopes)
+                    self._keep(state, task, outcome)
         except BaseException:
             self._thread = None  # the next change may search again
             raise
 
-    def _keep(
-        self, state: State, task: Task, found: Trajectory, slopes: dict[str, float] | None
-    ) -> None:
-        number = -1
+    def _keep(self, state: State, task: Task, outcome: Outcome) -> None:
+        number, found = -1, outcome.trajectory
         if found.found:
             number, self._number = self._number, self._number + 1
             self._motions[number] = np.array(found.q)
@@ -196,4 +194,4 @@ class Desk:
             self.session.consider(found.q[None])
             if self.answer.valid:
                 self._last = self.answer.q
-        self.found = Found(number, state, task, found, slopes)
+        self.found = Found(number, state, task, outcome)

@@ -8,8 +8,8 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.clearance.asked import asked_of
-from dualarm_pin.clearance.nearest import nearest_along
 from dualarm_pin.design.desk import Desk, Found
+from dualarm_pin.design.distances import Distances
 from dualarm_pin.reference import reported_value
 from dualarm_pin.relative import Relative
 from dualarm_pin.show.packing import Blob
@@ -23,6 +23,9 @@ class Pictures:
     def __init__(self, desk: Desk) -> None:
         self.desk = desk
         self._required: dict[float | None, Array] = {}
+        cell, h = desk.session.task.cell, desk.session.task.path.h
+        known = bool(cell.pairs) and not cell.missing_meshes
+        self._distances = Distances(cell, h) if known else None
 
     def frame(self) -> bytes:
         """Return the motion where things stand, with all that the panels say."""
@@ -30,8 +33,8 @@ class Pictures:
         with desk.lock:
             answer, here, task = desk.answer, desk.here, desk.task_here()
             searching, clearance = desk.searching, desk.state.clearance
-        found = here is not None and here.trajectory.found
-        q = here.trajectory.q if here is not None and found else answer.q
+        found = here is not None and here.outcome.trajectory.found
+        q = here.outcome.trajectory.q if here is not None and found else answer.q
         blob = Blob()
         head: dict[str, Any] = {
             "valid": found or answer.valid,
@@ -47,32 +50,31 @@ class Pictures:
         }
         if here is not None:
             if found:
-                head["objective"] = float(here.trajectory.objective)
+                head["objective"] = float(here.outcome.trajectory.objective)
             else:
-                head["valid"], head["why"] = False, here.trajectory.message
+                head["valid"], head["why"] = False, here.outcome.trajectory.message
         if head["valid"]:
             head["near"] = self._near(task, q, clearance)
         return blob.pack(head)
 
     def _near(self, task: Task, q: Array, clearance: float | None) -> dict[str, Any] | None:
         """Return the nearest two bodies at the points of the path."""
-        cell, rule = task.cell, task.clearance
-        if cell.missing_meshes or not cell.pairs:
+        if self._distances is None:
             return None
         if clearance not in self._required:
             # Which pairs the path fixes is asked where the task stands: it does not change.
             asked = asked_of(changed_task(self.desk.session.task, clearance=clearance))
-            self._required[clearance] = asked.required if asked.any else np.zeros(len(cell.pairs))
-        found = nearest_along(cell, q, self._required[clearance], inner=0)
-        if found is None:
+            every = np.zeros(len(task.cell.pairs))
+            self._required[clearance] = asked.required if asked.any else every
+        near = self._distances.near(task.cell, q, self._required[clearance])
+        if near is None:
             return None
-        at = int(np.argmin(found.distance))
         return {
-            "names": list(cell.pairs[int(found.pair[at])]),
-            "distance": float(found.distance[at]),
-            "point": at + 1,
-            "required": None if rule is None else rule.distance,
-            "lacking": any(found.lacking),
+            "names": list(near.pair),
+            "distance": near.distance,
+            "point": near.point + 1,
+            "required": None if task.clearance is None else task.clearance.distance,
+            "lacking": near.lacking,
         }
 
 
@@ -87,7 +89,7 @@ def index_along(task: Task, q: Array) -> Array:
 
 
 def _said(here: Found) -> dict[str, Any]:
-    trajectory = here.trajectory
+    trajectory = here.outcome.trajectory
     return {
         "found": bool(trajectory.found),
         "motion": here.number,
@@ -95,5 +97,5 @@ def _said(here: Found) -> dict[str, Any]:
         "verdict": trajectory.evidence.verdict,
         "sentences": trajectory.evidence.sentences or "",
         "message": trajectory.message,
-        "slopes": here.slopes,
+        "slopes": here.outcome.slopes,
     }

@@ -15,6 +15,7 @@ import numpy as np
 from dualarm_pin.design.desk import Desk
 from dualarm_pin.design.messages import Asked, Move, asked
 from dualarm_pin.design.picture import Pictures, index_along
+from dualarm_pin.design.searcher import Searcher
 from dualarm_pin.errors import InputError
 from dualarm_pin.placement.asked import standing
 from dualarm_pin.placement.parameters import BASE
@@ -30,7 +31,7 @@ _SCRIPTS = ("gizmo.js", "design.js", "design_panel.js")
 
 
 class Pages:
-    """All pages of one server.
+    """All pages of one server; a context manager, which ends the process that searches for them.
 
     Args:
         task: The task; its cell is where every page starts.
@@ -47,10 +48,21 @@ class Pages:
 
     def __init__(self, task: Task, folder: Path, *, seed: int = 0, jobs: int | None = None) -> None:
         self._task, self._folder, self._seed, self._jobs = task, folder, seed, jobs
+        self._searcher = Searcher(seed, jobs)
         self._pages: dict[int, Pictures] = {}
         self._opened, self._lock = 0, threading.Lock()
-        self._next: Desk | None = self._desk()  # which also says what is wrong before serving
+        try:
+            self._next: Desk | None = self._desk()  # which also says what is wrong before serving
+        except BaseException:
+            self._searcher.close()
+            raise
         self.talk = Talk({"/move": self._move, "/look": self._look, "/save": self._save})
+
+    def __enter__(self) -> Pages:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._searcher.close()
 
     def open(self) -> bytes:
         """Begin a session and return its page."""
@@ -74,7 +86,7 @@ class Pages:
         )
 
     def _desk(self) -> Desk:
-        return Desk(self._task, seed=self._seed, jobs=self._jobs)
+        return Desk(self._task, self._searcher, seed=self._seed, jobs=self._jobs)
 
     def _page(self, number: int) -> Pictures:
         with self._lock:

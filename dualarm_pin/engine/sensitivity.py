@@ -9,7 +9,7 @@ import numpy as np
 from dualarm_pin.chain import Floats
 from dualarm_pin.engine import entries
 from dualarm_pin.engine.arrow_problem import arrow_problem
-from dualarm_pin.engine.solve import load_multipliers, new_room, widths
+from dualarm_pin.engine.room import load_multipliers, new_room, widths
 from dualarm_pin.errors import InputError
 from dualarm_pin.placement.parameters import Free
 from dualarm_pin.placement.shared import SharedProblem, share

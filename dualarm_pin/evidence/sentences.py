@@ -6,6 +6,7 @@ Words that claim more than was checked have no place here; a test holds the list
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from math import isfinite
 
 from dualarm_pin.answer.evidence import (
@@ -83,6 +84,8 @@ def stopping(met: bool) -> str:
 
 def bound(bound: Bound, closed: float) -> str:
     """Say what the lower bound is, under which condition, and what the gap means."""
+    if bound.without_clearance is not None:
+        return _bound_without_clearance(bound, bound.without_clearance, closed)
     least, most = min(bound.hits), max(bound.hits)
     times = f"{least}" if least == most else f"{least} to {most}"
     each = f"{min(bound.starts)} starts" + (" each" if bound.pieces > 1 else "")
@@ -110,6 +113,20 @@ def bound(bound: Bound, closed: float) -> str:
     if bound.gap >= closed:
         return f"{text}; such a gap means that a better path may exist, or that the bound is weak."
     return f"{text}."
+
+
+def _bound_without_clearance(found: Bound, free: float, closed: float) -> str:
+    """Say what a bound of the paths that may collide means for one that may not."""
+    text = bound(replace(found, objective=free, without_clearance=None), closed)
+    text = f"Without clearance, {text[0].lower()}{text[1:]}"
+    if found.contradicted:
+        return text
+    above = (found.objective - free) / max(abs(free), 1e-12)
+    return (
+        f"{text} Keeping bodies apart can only raise the objective, so it bounds this answer too "
+        f"(gap {_percent(found.gap)}). The answer lies {_percent(above)} above the best path known "
+        f"without clearance ({free:.6g}); how much of that is needed is not known."
+    )
 
 
 def local(check: LocalCheck) -> str:

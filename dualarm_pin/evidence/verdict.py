@@ -6,10 +6,14 @@ A sentence never says more than was checked, and a bound is never named without 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from dualarm_pin.answer.evidence import Bound, Evidence, LawCount, LocalCheck, Searches, Verdict
 from dualarm_pin.evidence import sentences
 from dualarm_pin.evidence.laws import LEAST_HITS, laws_suffice, missed_share
+
+if TYPE_CHECKING:
+    from dualarm_pin.answer.trajectory import Trajectory
 
 CLOSED_GAP = 1e-3  # a bound this near says that no better path is worth a search
 
@@ -45,14 +49,7 @@ class Findings:
             self,
             local=replace(local, objective=local.objective + constant),
             laws=laws,
-            bound=bound
-            and replace(
-                bound,
-                value=bound.value + constant,
-                objective=bound.objective + constant,
-                tried={cuts: value + constant for cuts, value in bound.tried.items()},
-                replaced=bound.replaced and bound.replaced + constant,
-            ),
+            bound=bound and bound.shifted(constant),
             searches=found
             and replace(
                 found,
@@ -89,6 +86,15 @@ def verdict(findings: Findings) -> Verdict:
     if not findings.local.minimum or not findings.starts_suffice:
         return "local_only"
     return "best_known_bounded" if findings.bound_closes else "best_known"
+
+
+def with_bound_without_clearance(answer: Trajectory, found: Bound) -> Evidence:
+    """Return the evidence of an answer that keeps a clearance, with a bound made without one."""
+    free = min(found.objective, answer.objective)
+    bound = replace(found, objective=answer.objective, without_clearance=free)
+    first, *rest = answer.evidence.sentences.split("\n")  # the first says where it comes from
+    text = [first, sentences.bound(bound, CLOSED_GAP), *rest]
+    return replace(answer.evidence, bound=bound, sentences="\n".join(text))
 
 
 def conclude(findings: Findings) -> Evidence:

@@ -14,6 +14,7 @@ from dualarm_pin.meshes.formats import read_mesh
 from dualarm_pin.meshes.hull import convex_hull, too_round
 
 _LARGEST = 500_000_000  # bytes
+_MOST = 2_000_000  # triangles: the tree over a million takes four seconds, its hull two
 _FAR = 1e6  # m
 
 
@@ -44,6 +45,12 @@ def _load(
     if not 0 < size < _LARGEST:
         raise ValueError("the file is empty" if not size else "the file is too large")
     points, triangles = _read(path, changed, size)
+    if len(triangles) > _MOST:
+        message = (
+            f"{len(triangles)} triangles are more than {_MOST}, which take ten seconds to load: "
+            "simplify the mesh, for instance to 20000 triangles"
+        )
+        raise InputError(message, file=path)
     points = points * scale
     if not np.abs(points).max(initial=0.0) < _FAR:
         raise ValueError("a corner is not finite or absurdly far away")

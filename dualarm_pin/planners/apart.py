@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -14,13 +15,14 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.arrays import Array
 from dualarm_pin.clearance.asked import asked_of
+from dualarm_pin.clearance.between import Search
 from dualarm_pin.evidence.check import polished
 from dualarm_pin.planners.alternatives import Candidate, local_evidence, with_alternatives
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
 from dualarm_pin.repair.basin import Basin, Repaired
 from dualarm_pin.repair.bodies import asked_pairs
-from dualarm_pin.repair.meter import Meter
+from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.rows import Row, half_space
@@ -31,6 +33,8 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _CHECKED = 3  # paths, the best first, of which the first is taken that the check confirms
+_CHECK = 0.25  # of what is left of a time limit: for the check of the answer
+_MORE_ROOM = 3  # times; a dip that the check finds is less than a millimetre as a rule
 _NEAR, _HELD = 0.05, 1e-3  # m: with more room, before and after, a row has no part in the path
 
 
@@ -79,7 +83,9 @@ def plan_apart(
     if basin.keeps(best):
         return None
     progress.stage("paths that keep the bodies apart")
-    survey.meter = Meter(free.problem, EFFORTS[effort].work, deadline)
+    left = max(deadline - time.monotonic(), 0.0)
+    stop = deadline if left == np.inf else deadline - _CHECK * left
+    survey.meter = Meter(free.problem, EFFORTS[effort].work, stop)
     apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs, given=given)
     provenance: dict[str, Any] = {
         "method": "global",
@@ -92,22 +98,47 @@ def plan_apart(
         return path.q, lambda: (held_problem(task, survey, path), _polished(basin, path))
 
     answer = None
-    for path in apart.found[:_CHECKED]:  # the check looks closer than the repair
-        q = _polished(basin, path)
-        held = held_problem(task, survey, path)
-        evidence = local_evidence(held, q, _said(apart, apart.hits(path), effort), free.constant)
-        answer = verified(
-            task, free.whole(q), timing=clock.read(compile_s), evidence=evidence, **provenance
-        )
-        if answer.found:
-            others = [candidate(other) for other in apart.found]
-            return with_alternatives(task, answer, others, alternatives)
+    for end in apart.found[:_CHECKED]:  # the check looks closer than the repair
+        for path in _with_room(task, basin, end):
+            q = _polished(basin, path)
+            answer = verified(task, free.whole(q), timing=clock.read(compile_s), **provenance)
+            if answer.found:
+                held = held_problem(task, survey, path)
+                said = _said(apart, apart.hits(path), effort)
+                evidence = local_evidence(held, q, said, free.constant)
+                answer = replace(answer, evidence=evidence, timing=clock.read(compile_s))
+                others = [candidate(other) for other in apart.found]
+                return with_alternatives(task, answer, others, alternatives)
     answer = answer or verified(task, free.whole(best), timing=clock.read(compile_s), **provenance)
     if apart.best is None:
         tried = f"none of {apart.tried} paths that were tried keeps the clearance that is asked for"
         near = answer.message.removeprefix("not verified: ")
         return replace(answer, message=f"{tried}; in the best path without it {near}")
     return answer
+
+
+def _with_room(task: Task, basin: Basin, path: Repaired) -> Iterator[Repaired]:
+    """Yield a path, then the same with more room on the line where the check found it too near."""
+    free = task.free()
+    yield path
+    for _ in range(_MORE_ROOM):
+        search = Search(task.cell, free.whole(path.q), asked_of(task).required)
+        if basin.between:
+            search.between()
+        if search.kept:  # it is not the distances that lack
+            return
+        lack, line, _, pair = search.worst
+        basin.survey.meter = Meter(free.problem, EFFORTS["quick"].work)
+        try:
+            wider = basin.roomier(path, pair, line - free.first, lack)
+        except OverError:
+            return
+        finally:
+            basin.survey.meter = Meter(free.problem)
+        if wider is None:
+            return
+        path = wider
+        yield path
 
 
 def _polished(basin: Basin, path: Repaired) -> Array:
@@ -136,24 +167,34 @@ def held_problem(task: Task, survey: Survey, path: Repaired) -> Problem:
 def _rows(survey: Survey, path: Repaired, before: int) -> list[Row]:
     """Return the rows; `before` points of the whole path have postures that are given."""
     cell, contacts = survey.problem.cell, path.contacts
+    placed, joint = survey.placements(path.q), survey.pairs.joint[contacts.pair]
+    first, second = (placed[contacts.point, joint[:, side]] for side in (0, 1))
+    between = _placed(second, contacts.second) - _placed(first, contacts.first)
+    normal = np.einsum("cij,cj->ci", first[:, :3, :3], contacts.normal)
+    near = np.sum(normal * between, axis=1) - path.apart < _HELD
     found = []
-    for c in np.flatnonzero(path.apart - contacts.distance > -_NEAR):
+    for c in np.flatnonzero(near & (path.apart - contacts.distance > -_NEAR)):
         pair, point = int(contacts.pair[c]), int(contacts.point[c])
-        first, second = (_frame(cell, joint) for joint in survey.pairs.joint[pair])
-        normal = contacts.normal[c]
-        row = half_space(
-            second,
-            normal,
-            float(normal @ contacts.first[c] + path.apart[c]),
-            of=first,
-            point=contacts.second[c],
-            points=[point + before],
-            name=f"{' and '.join(survey.pairs.names[pair])} at point {point + before + 1}",
+        one, two = (_frame(cell, joint) for joint in survey.pairs.joint[pair])
+        normal_c = contacts.normal[c]
+        found.append(
+            half_space(
+                two,
+                normal_c,
+                float(normal_c @ contacts.first[c] + path.apart[c]),
+                of=one,
+                point=contacts.second[c],
+                points=[point + before],
+                name=f"{' and '.join(survey.pairs.names[pair])} at point {point + before + 1}",
+            )
         )
-        if row.at(cell, path.q[point])[0] < _HELD:
-            found.append(row)
     return found
 
 
 def _frame(cell: Cell, joint: int) -> str:
     return WORLD if joint == 0 else str(cell.model.names[int(joint)])
+
+
+def _placed(poses: Array, points: Array) -> Array:
+    """Return points (c, 3) given in frames with poses (c, 4, 4) in the world."""
+    return np.asarray(np.einsum("cij,cj->ci", poses[:, :3, :3], points) + poses[:, :3, 3])

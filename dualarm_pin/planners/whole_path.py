@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -75,7 +76,7 @@ def plan_global(
         InputError: `warm` has other joints.
     """
     from dualarm_pin.evidence.check import check_minimum, polished
-    from dualarm_pin.evidence.verdict import Findings, conclude
+    from dualarm_pin.evidence.verdict import Findings, conclude, with_bound_without_clearance
     from dualarm_pin.planners.effort import BUDGETS, Search
 
     budget = BUDGETS[effort]
@@ -113,13 +114,20 @@ def plan_global(
     if best is None:
         return unreachable(task, task.problem(), "global", name_of(solver), seed, clock)
     interrupted = interrupted or search.cut
+    q, local, bound = best, None, None
+    if budget.bound and not interrupted:
+        from dualarm_pin.evidence.bound import bound_minimum
+
+        # The pieces may show a better path: then that is the answer, with counts of its own.
+        q, local = check_minimum(problem, best, seed=seed, jobs=jobs, work=budget.check)
+        q, local, bound = bound_minimum(problem, q, local, seed=seed, jobs=jobs, progress=progress)
     if asked_of(task).any:
         from dualarm_pin.planners.apart import plan_apart
 
         apart = plan_apart(
             task,
-            best,
-            search.minima(),
+            q,
+            search.minima() if bound is None else [(problem.objective(q), q), *search.minima()],
             effort=effort,
             solver=name_of(solver),
             seed=seed,
@@ -127,20 +135,19 @@ def plan_global(
             clock=clock,
             compile_s=compile_s,
             interrupted=interrupted,
-            deadline=begun + limit,
+            # The bound has time of its own: it is made before, since it may show a better path.
+            deadline=begun + limit + (0.0 if bound is None else bound.seconds),
             progress=progress,
             given=further,
             alternatives=alternatives,
         )
+        if apart is not None and apart.found and bound is not None:
+            known = with_bound_without_clearance(apart, bound.shifted(free.constant))
+            return replace(apart, evidence=known)
         if apart is not None:
             return apart
-    q, local = check_minimum(problem, best, seed=seed, jobs=jobs, work=budget.check)
-    bound = None
-    if budget.bound and not interrupted:
-        from dualarm_pin.evidence.bound import bound_minimum
-
-        # The pieces may show a better path: then that is the answer, with counts of its own.
-        q, local, bound = bound_minimum(problem, q, local, seed=seed, jobs=jobs, progress=progress)
+    if local is None:
+        q, local = check_minimum(problem, q, seed=seed, jobs=jobs, work=budget.check)
     laws = count_laws(search.laws, q)
     from_earlier = any(same_path(q, end) for end in earlier) and not (
         found is not None and same_path(q, found)

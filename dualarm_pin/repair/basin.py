@@ -32,6 +32,7 @@ _MU = 1e-3  # a start is nearly the answer
 _LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
 _LED_MU = 1e-2  # capsules move it far
 _SLACK = 1e-4  # m: what lacks less leaves room for what is between the postures looked at
+_ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
 _DIP = 1.1  # times what lacks between two points is asked of both
 
 
@@ -45,6 +46,7 @@ class Repaired:
         problem: The problem with the rows that hold it there.
         contacts: What these rows were made of.
         apart: (c,) how far apart they were asked to be [m].
+        extra: (p, k) what was asked of pairs at points beyond what is required [m].
     """
 
     q: Array
@@ -52,6 +54,7 @@ class Repaired:
     problem: Problem
     contacts: Contacts
     apart: Array
+    extra: Array
 
 
 class Basin:
@@ -67,12 +70,19 @@ class Basin:
 
     def keeps(self, q: Array) -> bool:
         """Tell whether the bodies of a path (k, n) are far enough apart as it is."""
-        if not self.survey.contacts(q, 0.0).kept.all():
-            return False
-        return not self.between or bool(self.survey.contacts(inner_postures(q), 0.0).kept.all())
+        for postures in (q, inner_postures(q)) if self.between else (q,):
+            found = self.survey.contacts(postures, 0.0, enough=TOLERANCE.clearance)
+            if not found.kept.all():
+                return False
+        return True
 
     def repaired(
-        self, q: Array, reduction: float | None = None, limit: float = np.inf
+        self,
+        q: Array,
+        reduction: float | None = None,
+        limit: float = np.inf,
+        *,
+        margin: float = 0.0,
     ) -> Repaired | None:
         """Return where a path (k, n) leads, or None where its bodies do not come apart.
 
@@ -80,16 +90,45 @@ class Basin:
             q: A path, nearly a minimum of the problem without rows of pairs.
             reduction: Of the capsules that lead [m]; None for witness rows alone.
             limit: Objective above which nothing is looked for.
+            margin: Asked of bodies of different arms at first, beyond what is required [m].
         """
+        if margin > 0.0:
+            more = np.zeros((len(self.survey.pairs.number), len(q)))
+            more[self.survey.pairs.loose] = margin
+            wider = self._apart(q, more, np.inf)
+            if wider is None:
+                return None
+            q = wider.q
         if reduction is not None:
             q = self._led(q, reduction)
-        extra = np.zeros((len(self.survey.pairs.number), len(q)))
-        found = self._apart(q, extra, limit)
+        return self._kept(q, np.zeros((len(self.survey.pairs.number), len(q))), limit)
+
+    def roomier(self, path: Repaired, pair: int, line: int, lack: float) -> Repaired | None:
+        """Return where a path leads with more room for a pair on the line after a point.
+
+        Args:
+            path: The path.
+            pair: Which.
+            line: After which point; before the first one for -1.
+            lack: What is missing there [m].
+        """
+        extra = path.extra.copy()
+        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, _ENOUGH)
+        return self._kept(path.q, extra, np.inf)
+
+    def _kept(self, q: Array, extra: Array, limit: float) -> Repaired | None:
+        """Return the end of rounds at the points and then between them; `extra` is changed."""
+        found, kept = self._apart(q, extra, limit), None
         for _ in range(_MORE_ROUNDS if self.between else 0):
-            if found is None or not self._add_dips(found.q, extra):
+            if found is None:
+                break
+            lack = self._add_dips(found.q, extra)
+            if lack <= _ENOUGH and (kept is None or found.objective < kept.objective):
+                kept = found
+            if lack <= _SLACK:
                 return found
             found = self._apart(found.q, extra, limit)
-        return None if self.between else found
+        return kept if self.between else found
 
     def _apart(self, q: Array, extra: Array, limit: float) -> Repaired | None:
         """Return the end of rounds of witness rows, `extra` (p, k) asked beyond what is [m]."""
@@ -136,7 +175,7 @@ class Basin:
             found = survey.contacts(end.q, REACH, extra)
             if found.worst <= most:
                 value = end.objective if end.feasible else np.inf
-                return Repaired(end.q, value, problem, held, apart), found, corners
+                return Repaired(end.q, value, problem, held, apart, extra.copy()), found, corners
             feet, others = cuts(survey, held, end.q, found.take(found.lack > 0.0))
             corners, held, start = corners.joined(feet), held.joined(feet).joined(others), end.q
         path = end.q
@@ -145,7 +184,7 @@ class Basin:
             found = survey.contacts(path, REACH, extra)
             if found.worst <= max(most, _SLIP):
                 break
-        return Repaired(path, np.inf, problem, held, apart), found, corners
+        return Repaired(path, np.inf, problem, held, apart, extra.copy()), found, corners
 
     def _led(self, q: Array, reduction: float) -> Array:
         """Return where capsules with reduced radii lead a path; rows are added as they are met."""
@@ -168,15 +207,22 @@ class Basin:
         self.survey.meter.solved(end.iterations, problem.k, rows)
         return end
 
-    def _add_dips(self, q: Array, extra: Array) -> bool:
-        """Add what lacks between the points to both ends (p, k); tell whether anything does."""
+    def _add_dips(self, q: Array, extra: Array) -> float:
+        """Add what lacks between the points to both ends (p, k).
+
+        Returns:
+            The most that does [m]; infinite where bodies meet.
+        """
         contacts = self.survey.contacts(inner_postures(q), 0.0)
-        lacking = contacts.take(contacts.lack > _SLACK)
+        meet = contacts.distance <= 0.0
+        lacking = contacts.take((contacts.lack > _SLACK) | meet)
         dips = np.zeros((len(extra), len(q) - 1))
-        np.maximum.at(dips, (lacking.pair, lacking.point // INNER), _DIP * lacking.lack)
+        np.maximum.at(
+            dips, (lacking.pair, lacking.point // INNER), _DIP * np.maximum(lacking.lack, _SLACK)
+        )
         extra[:, :-1] += dips
         extra[:, 1:] += dips
-        return len(lacking.point) > 0
+        return np.inf if meet.any() else contacts.worst
 
 
 def inner_postures(q: Array) -> Array:

@@ -15,6 +15,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.repair.covers import cover, hull_of
 from dualarm_pin.rows.table import CAPSULES, RowTable, pair_table
 from dualarm_pin.solution import Flags
+from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
@@ -42,11 +43,12 @@ class Pairs(NamedTuple):
     Attributes:
         number: (p,) which of the cell's collision pairs.
         names: The two bodies of each.
-        required: (p,) distance that they must keep [m].
+        required: (p,) distance that they must keep [m]; the tolerance where they must not touch.
         joint: (p, 2) joints that their bodies move with.
         ends: (p, 2, 2, 3) segments of the capsules around them, in the frames of these joints [m].
         radius: (p, 2) of the capsules [m].
         tight: (p,) whether the capsules say something about the bodies.
+        loose: (p,) whether the bodies move with different arms, or one of them stands.
         hulls: Points and a radius whose hull holds the second body, in the frame of its joint [m].
     """
 
@@ -57,6 +59,7 @@ class Pairs(NamedTuple):
     ends: Array
     radius: Array
     tight: Array
+    loose: Flags
     hulls: tuple[tuple[Array, float], ...]
 
 
@@ -77,11 +80,13 @@ def asked_pairs(cell: Cell, required: Array) -> Pairs:
     return Pairs(
         number=chosen,
         names=tuple(names[k] for k in chosen),
-        required=required[chosen],
+        # A distance may be missed by the tolerance but for contact, which is never accepted.
+        required=np.maximum(required[chosen], TOLERANCE.clearance),
         joint=np.array([[joints[b] for b in pair] for pair in both], np.int64).reshape(-1, 2),
         ends=np.array([[covers[b].ends for b in pair] for pair in both]).reshape(-1, 2, 2, 3),
         radius=np.array([[covers[b].radius for b in pair] for pair in both]).reshape(-1, 2),
         tight=np.array([all(covers[b].tight for b in pair) for pair in both], dtype=bool),
+        loose=cell.apart_by_nature[chosen],
         hulls=tuple(hulls[second] for _, second in both),
     )
 

@@ -1,4 +1,4 @@
-"""Distances of meshes that are known from nearby poses: measuring them is dear.
+"""Distances of a pair that are known from nearby poses: measuring meshes is dear.
 
 Between two relative poses a distance changes by at most what the second body moves against the
 first, and no point of a body moves more than the corners of a box around it.
@@ -6,42 +6,100 @@ first, and no point of a body moves more than the corners of a box around it.
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
-from dualarm_pin.arrays import Array
+from dualarm_pin.arrays import Array, Integers
 
 _KEPT = 64  # poses of each pair, the newest
+_SAME = 1e-4  # m: a body that moves less has the same nearest points, well within the tolerance
 _NEARLY = 5e-3  # m: meshes that met are taken to meet, so that their hulls say how deep
+
+
+class Measured(NamedTuple):
+    """What was measured of two meshes.
+
+    Attributes:
+        distance: [m]; 0 or less where they meet.
+        first: Nearest point of the first body, in its joint's frame (3,) [m].
+        second: The same of the second body.
+    """
+
+    distance: float
+    first: Array
+    second: Array
 
 
 class Known:
     """What was measured between two bodies.
 
     Args:
-        points: Points whose hull holds the second body (m, 3), in its joint's frame [m].
+        box: Corners (8, 3) of a box around the second body, in its joint's frame [m].
     """
 
-    def __init__(self, points: Array) -> None:
-        low, high = points.min(axis=0), points.max(axis=0)
-        self._box = np.array([np.where(upper, high, low) for upper in np.ndindex(2, 2, 2)])
-        self._at = np.zeros((_KEPT, 8, 3))
+    def __init__(self, box: Array) -> None:
+        self._box = box
+        self._at = np.full((_KEPT, 8, 3), np.inf)
         self._distance = np.full(_KEPT, -np.inf)
+        self._measured: list[Measured | None] = [None] * _KEPT
         self._next = 0
 
-    def least(self, pose: Array) -> tuple[float, bool]:
+    def least(self, pose: Array) -> tuple[float, bool, Measured | None]:
         """Say what is known at a pose (4, 4) of the second body in the first.
 
         Returns:
-            A distance [m] that they keep, and whether they met at nearly this pose.
+            A distance [m] that they keep, whether they met at nearly this pose, and what was
+            measured where it is the same.
         """
-        away = np.linalg.norm(self._at - self._corners(pose), axis=2).max(axis=1)
-        met = (self._distance <= 0.0) & (away < _NEARLY) & np.isfinite(self._distance)
-        return float(np.max(self._distance - away)), bool(met.any())
+        moved = self._at - self._corners(pose)
+        away = np.sqrt(np.einsum("ijk,ijk->ij", moved, moved).max(axis=1))
+        nearest = int(np.argmin(away))
+        same = self._measured[nearest] if away[nearest] < _SAME else None
+        met = (self._distance <= 0.0) & (away < _NEARLY)
+        return float(np.max(self._distance - away)), bool(met.any()), same
 
-    def add(self, pose: Array, distance: float) -> None:
-        """Keep what was measured at a pose (4, 4) [m]."""
+    def add(self, pose: Array, distance: float, measured: Measured | None) -> None:
+        """Keep what was measured at a pose (4, 4): a distance that they keep [m], and where."""
         self._at[self._next], self._distance[self._next] = self._corners(pose), distance
+        self._measured[self._next] = measured
         self._next = (self._next + 1) % _KEPT
 
     def _corners(self, pose: Array) -> Array:
         return np.asarray(self._box @ pose[:3, :3].T + pose[:3, 3])
+
+
+class Hulls:
+    """Lower bounds of the distances of hulls, from the last postures of the same number.
+
+    Args:
+        boxes: Corners (p, 8, 3) of boxes around the second bodies, in their joints' frames [m].
+    """
+
+    def __init__(self, boxes: Array) -> None:
+        self._boxes = boxes
+        self._last: dict[int, tuple[Array, Array]] = {}
+
+    def least(self, poses: Array, many: int, i: Integers, pair: Integers) -> tuple[Array, Array]:
+        """Return distances (c,) that pairs keep at postures i of `many`, and what `keep` takes.
+
+        Args:
+            poses: (c, 4, 4) of the second bodies in the first.
+            many: How many postures.
+            i: (c,) which.
+            pair: (c,) which.
+        """
+        corners = np.matmul(self._boxes[pair], np.swapaxes(poses[:, :3, :3], 1, 2))
+        corners += poses[:, None, :3, 3]
+        if many not in self._last:
+            shape = (many, len(self._boxes))
+            self._last[many] = np.full((*shape, 8, 3), np.inf), np.full(shape, -np.inf)
+        at, distance = self._last[many]
+        moved = at[i, pair] - corners
+        away = np.sqrt(np.einsum("cki,cki->ck", moved, moved).max(axis=1))
+        return distance[i, pair] - away, corners
+
+    def keep(self, corners: Array, many: int, i: int, pair: int, distance: float) -> None:
+        """Keep the distance [m] of a pair at posture i of `many`, where its corners (8, 3) are."""
+        at, known = self._last[many]
+        at[i, pair], known[i, pair] = corners, distance

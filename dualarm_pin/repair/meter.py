@@ -11,12 +11,16 @@ from dualarm_pin.search.work import Work
 
 # Seconds, measured: to place the bodies of a posture, of each pair as hulls and as meshes, of a row
 # in a Newton step.
-_POSTURE, _PAIR, _MESHES, _ROW = 4e-5, 1.1e-5, 5e-4, 5e-7
+_POSTURE, _PAIR, _MESHES, _ROW = 5e-5, 1.4e-5, 3e-4, 5e-7
 _PATIENCE = 4.0  # times the budget, while there is no path at all
 
 
 class OverError(Exception):
     """The budget is spent."""
+
+
+class LongError(Exception):
+    """One path has cost more than it may."""
 
 
 class Meter:
@@ -31,12 +35,18 @@ class Meter:
     def __init__(self, problem: Problem, most: float = np.inf, deadline: float = np.inf) -> None:
         self._work, self._most, self._deadline = Work(problem), most, deadline
         self.spent, self.found, self.cut = 0.0, False, False
+        self._until = np.inf
+
+    def allow(self, share: float) -> None:
+        """Let what follows cost a share of the budget and no more."""
+        self._until = self.spent + share * self._most
 
     def solved(self, iterations: int, points: int, rows: int) -> None:
         """Count Newton steps at all points, with rows of pairs at all of them together.
 
         Raises:
             OverError: Enough is spent.
+            LongError: Enough is spent on what was allowed for.
         """
         self._add(iterations * (self._work.seconds(points) + _ROW * rows))
 
@@ -45,6 +55,7 @@ class Meter:
 
         Raises:
             OverError: Enough is spent.
+            LongError: Enough is spent on what was allowed for.
         """
         self._add(_POSTURE * postures + _PAIR * pairs)
 
@@ -53,6 +64,7 @@ class Meter:
 
         Raises:
             OverError: Enough is spent.
+            LongError: Enough is spent on what was allowed for.
         """
         self._add(_MESHES)
 
@@ -61,3 +73,5 @@ class Meter:
         self.cut = time.monotonic() > self._deadline
         if self.cut or self.spent > self._most * (1.0 if self.found else _PATIENCE):
             raise OverError
+        if self.spent > self._until:
+            raise LongError

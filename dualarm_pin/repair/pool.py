@@ -9,12 +9,13 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.repair.basin import Basin, Repaired
-from dualarm_pin.repair.meter import Meter, OverError
+from dualarm_pin.repair.meter import LongError, Meter, OverError
 from dualarm_pin.repair.walks import walked
 from dualarm_pin.solution import same_path
 
 _ALIKE = 1e-3  # of the objective: minima nearer than this are twins, of which one is enough
 _HOPE = 1.02  # times the best: rounds of planes may still take so much off an objective
+_MARGINS = (0.02, 0.01, 0.04)  # m: the distances of bodies are smoother farther out
 _REDUCTIONS: tuple[float | None, ...] = (None, 0.06, 0.03, 0.1, 0.0)
 
 
@@ -30,6 +31,8 @@ class Effort:
         basins: Minima of the search that are repaired, while they are lower than the best.
         ways: Ways of leading each of them out of a collision.
         rounds: Times that walks are drawn anew.
+        margins: Margins with which the best is moved apart again.
+        share: Of the work, that one path may cost.
     """
 
     work: float = 2.2
@@ -39,12 +42,14 @@ class Effort:
     basins: int = 2
     ways: int = 2
     rounds: int = 1
+    margins: int = 1
+    share: float = 0.5
 
 
 EFFORTS = {
     "quick": Effort(),
-    "normal": Effort(18.0, 150, 10, 15, 16, 3, 1),
-    "thorough": Effort(75.0, 200, 16, 24, 16, 5, 3),
+    "normal": Effort(18.0, 150, 10, 15, 16, 3, 1, 3, 0.3),
+    "thorough": Effort(75.0, 200, 16, 24, 16, 5, 3, 3, 0.1),
 }
 
 
@@ -103,38 +108,82 @@ def keep_apart(
     Returns:
         What was found; after Ctrl-C what there was so far.
     """
-    result, survey = Apart(), basin.survey
-    differing = _differing(minima)[: effort.basins]
-
-    def take(path: Array, way: float | None = None) -> None:
-        limit = np.inf if result.best is None else result.best.objective
-        result.take(basin.repaired(path, way, _HOPE * limit))
-        survey.meter.found = result.best is not None
-
+    result, meter = Apart(), basin.survey.meter
+    tries = _Tries(basin, effort, result, seed, jobs)
+    differing = _differing(minima)
     try:
         for path in given:
-            result.take(basin.repaired(path))
+            tries.take(path)
+        for _, path in differing[:1]:  # often it is nearly apart
+            tries.take(path)
         for number in range(effort.rounds):
-            walks = walked(
-                survey,
-                seed=seed + number,
-                postures=effort.postures,
-                walks=effort.walks,
-                jobs=jobs,
-            )
-            for path in walks[: effort.refined]:
-                take(path)
-        for objective, path in differing:
-            if result.best is not None and objective >= result.best.objective:
+            tries.walk(number, effort.postures)
+            if not number:
+                tries.lower(differing[1 : effort.basins], _REDUCTIONS[:1])
+                tries.lower(differing[: effort.basins], _REDUCTIONS[1 : effort.ways])
+        tries.ease(_MARGINS[: effort.margins])
+        number = effort.rounds
+        while result.best is None:  # never without an answer while there is a budget
+            spent = meter.spent
+            tries.lower(differing, _REDUCTIONS[number % len(_REDUCTIONS) :][:1])
+            tries.walk(number, effort.postures << 1)
+            number += 1
+            if meter.spent == spent:
                 break
-            for way in _REDUCTIONS[: effort.ways]:
-                take(path, way)
     except OverError:
-        result.complete, result.cut = False, survey.meter.cut
+        result.complete, result.cut = False, meter.cut
     except KeyboardInterrupt:
         result.complete, result.cut = False, True
-    survey.meter = Meter(survey.problem)  # what follows is the check of the answer
+    basin.survey.meter = Meter(basin.survey.problem)  # what follows is the check of the answer
     return result
+
+
+class _Tries:
+    """What is tried, one after the other."""
+
+    def __init__(
+        self, basin: Basin, effort: Effort, result: Apart, seed: int, jobs: int | None
+    ) -> None:
+        self.basin, self.effort, self.result = basin, effort, result
+        self.seed, self.jobs = seed, jobs
+
+    def take(self, path: Array, way: float | None = None, margin: float = 0.0) -> None:
+        """Move one path apart."""
+        meter, best = self.basin.survey.meter, self.result.best
+        limit = np.inf if best is None else best.objective
+        meter.allow(self.effort.share)
+        try:
+            self.result.take(self.basin.repaired(path, way, _HOPE * limit, margin=margin))
+        except LongError:
+            self.result.take(None)
+        meter.allow(np.inf)
+        meter.found = self.result.best is not None
+
+    def lower(self, minima: Sequence[tuple[float, Array]], ways: Sequence[float | None]) -> None:
+        """Move apart what is lower than the best."""
+        for objective, path in minima:
+            for way in ways:
+                if self.result.best is None or objective < self.result.best.objective:
+                    self.take(path, way)
+
+    def walk(self, number: int, postures: int) -> None:
+        """Walk, and move apart where the best walks end."""
+        walks = walked(
+            self.basin.survey,
+            seed=self.seed + number,
+            postures=postures,
+            walks=self.effort.walks,
+            jobs=self.jobs,
+        )
+        for path in walks[: self.effort.refined]:
+            self.take(path)
+
+    def ease(self, margins: Sequence[float]) -> None:
+        """Ask for more than there must be, then for that: so bodies get past what held them."""
+        for margin in margins:
+            best = self.result.best
+            if best is not None:
+                self.take(best.q, margin=margin)
 
 
 def _differing(minima: Sequence[tuple[float, Array]]) -> list[tuple[float, Array]]:

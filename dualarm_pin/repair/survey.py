@@ -8,15 +8,17 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import NamedTuple
 
+import coal
 import numpy as np
 import pinocchio as pin
 
 from dualarm_pin.arrays import Array
+from dualarm_pin.cell.solids import Solids
 from dualarm_pin.chain import Integers
-from dualarm_pin.engine.solve import gaps
+from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
-from dualarm_pin.repair.known import Known
+from dualarm_pin.repair.known import Hulls, Known, Measured
 from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
@@ -71,6 +73,18 @@ class Contacts(NamedTuple):
         return float(np.max(self.lack, initial=-np.inf))
 
 
+class _Found(NamedTuple):
+    """One contact; points and direction in the world."""
+
+    point: int
+    pair: int
+    distance: float
+    exact: bool
+    first: Array
+    second: Array
+    normal: Array
+
+
 class Survey:
     """Measures the pairs of a problem; it keeps Coal's room between calls, so one thread only.
 
@@ -86,29 +100,40 @@ class Survey:
         self.meter = Meter(problem) if meter is None else meter
         self.joints = joints_on_chain(problem)
         cell = problem.cell
-        self._known = [Known(points) for points, _ in pairs.hulls]
+        boxes = np.array([box_around(points, radius) for points, radius in pairs.hulls])
+        self._hulls = Hulls(boxes.reshape(-1, 8, 3))
+        self._known = [Known(box) for box in boxes]
         self._model, self._data = cell.model, cell.model.createData()
         self._geometry = cell.collision
         self._scene = self._geometry.createData()
         self._meshes = cell.collision_meshes
-        self._exact = self._meshes.createData()
-        self._asked = list(zip(pairs.number.tolist(), pairs.required.tolist(), strict=True))
+        self._exact, self._solids = self._meshes.createData(), Solids(self._meshes)
+        self._number, self._joint = pairs.number.tolist(), pairs.joint.tolist()
         every = np.ones((problem.k, len(pairs.number)), dtype=bool)
         table = self.capsule_table(every, np.zeros(len(pairs.number)))
         self._capsules = replace(problem, inequalities=table)
 
-    def contacts(self, q: Array, reach: float, extra: Array | None = None) -> Contacts:
+    def contacts(
+        self, q: Array, reach: float, extra: Array | None = None, *, enough: float = np.inf
+    ) -> Contacts:
         """Return the pairs that are nearer than what is required of them and `reach` more.
 
         Args:
             q: Postures (m, n) [rad or m].
             reach: [m].
             extra: (p, m) what is required of each pair at each posture beyond that [m].
+            enough: Where more lacks, `extra` aside, nothing further is measured [m].
         """
-        return self.measured(q, self.capsule_gaps(q) < reach, reach, extra)
+        room = reach if extra is None else reach + extra.T
+        return self.measured(q, self.capsule_gaps(q) < room, reach, extra, enough)
 
     def measured(
-        self, q: Array, which: Flags, reach: float = np.inf, extra: Array | None = None
+        self,
+        q: Array,
+        which: Flags,
+        reach: float = np.inf,
+        extra: Array | None = None,
+        enough: float = np.inf,
     ) -> Contacts:
         """Return those of some pairs that are nearer than what is required and `reach` more.
 
@@ -117,41 +142,58 @@ class Survey:
             which: (m, p) pairs to be measured.
             reach: [m].
             extra: As of `contacts`.
+            enough: As of `contacts`.
         """
-        model, data, scene = self._model, self._data, self._scene
-        joint = self.pairs.joint.tolist()
-        found: list[tuple[int, int, float, bool, Array, Array, Array]] = []
-        placed = np.zeros((len(q), model.njoints, 4, 4))
-        self.meter.measured(int(which.any(axis=1).sum()), int(which.sum()))
-        for i in np.flatnonzero(which.any(axis=1)):
-            pin.forwardKinematics(model, data, self.problem.cell.model_q(q[i]))
-            pin.updateGeometryPlacements(model, data, self._geometry, scene)
-            placed[i] = [place.homogeneous for place in data.oMi]
-            meshes = False
-            for pair in np.flatnonzero(which[i]).tolist():
-                number, required = self._asked[pair]
-                result = pin.computeDistance(self._geometry, scene, number)
-                if result.min_distance >= required + reach:
+        found: list[_Found] = []
+        placed, asked = self.placements(q), np.tile(self.pairs.required, (len(q), 1))
+        if extra is not None:
+            asked = asked + extra.T
+        point, pairs = np.nonzero(which)
+        first, second = (placed[point, self.pairs.joint[pairs, side]] for side in (0, 1))
+        poses = _relative(first, second)
+        bound, corners = self._hulls.least(poses, len(q), point, pairs)
+        near = np.flatnonzero(bound < asked[point, pairs] + reach)
+        self.meter.measured(len(q), len(near))
+        at, meshes, geometry, scene = -1, -1, self._geometry, self._scene
+        for c, i, pair in zip(near, point[near].tolist(), pairs[near].tolist(), strict=True):
+            if i != at:
+                at = i
+                pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(q[i]))
+                pin.updateGeometryPlacements(self._model, self._data, geometry, scene)
+            number, required = self._number[pair], float(asked[i, pair])
+            result = pin.computeDistance(geometry, scene, number)
+            hulls = result.min_distance
+            self._hulls.keep(corners[c], len(q), i, pair, hulls)
+            if hulls >= required + reach:
+                continue
+            ends = result.getNearestPoint1(), result.getNearestPoint2()
+            contact = _Found(i, pair, hulls, False, *ends, result.normal)
+            if hulls < required:
+                most = required + min(reach, _CLEAR)
+                least, met, same = self._known[pair].least(poses[c])
+                if least >= most:
                     continue
-                exact = False
-                if result.min_distance < required:
-                    first, second = joint[pair]
-                    pose = data.oMi[first].actInv(data.oMi[second]).homogeneous
-                    least, met = self._known[pair].least(pose)
-                    if least > required + min(reach, _CLEAR):
+                if same is None and not met:
+                    if meshes != i:
+                        pin.updateGeometryPlacements(
+                            self._model, self._data, self._meshes, self._exact
+                        )
+                        meshes = i
+                    nearer = self._solids.distance(number, self._exact, hulls, most)
+                    self.meter.meshes()
+                    same = self._remember(pair, poses[c], nearer, most)
+                    if same is None:
                         continue
-                    if not met:
-                        if not meshes:
-                            pin.updateGeometryPlacements(model, data, self._meshes, self._exact)
-                            meshes = True
-                        nearer = pin.computeDistance(self._meshes, self._exact, number)
-                        self._known[pair].add(pose, nearer.min_distance)
-                        self.meter.meshes()
-                        # Meshes that meet have no depth: then the hulls say it.
-                        exact = nearer.min_distance > max(_SURE, result.min_distance + _SURE)
-                        result = nearer if exact else result
-                ends = result.getNearestPoint1(), result.getNearestPoint2()
-                found.append((int(i), pair, result.min_distance, exact, *ends, result.normal))
+                # Meshes that meet have no depth: then the hulls say it.
+                if same is not None and same.distance > max(_SURE, hulls + _SURE):
+                    one, two = (
+                        self._data.oMi[joint].act(point)
+                        for joint, point in zip(self._joint[pair], same[1:], strict=True)
+                    )
+                    contact = _Found(i, pair, same.distance, True, one, two, one)
+            found.append(contact)
+            if self.pairs.required[pair] - contact.distance > enough:
+                return self._record(found, placed, extra)
         return self._record(found, placed, extra)
 
     def placements(self, q: Array) -> Array:
@@ -161,6 +203,21 @@ class Survey:
             pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(x))
             placed[i] = [place.homogeneous for place in self._data.oMi]
         return placed
+
+    def _remember(
+        self, pair: int, pose: Array, nearer: coal.DistanceResult, most: float
+    ) -> Measured | None:
+        """Keep what was measured between meshes; return it where they are nearer than `most`."""
+        distance, measured = float(nearer.min_distance), None
+        if distance < most:
+            ends = nearer.getNearestPoint1(), nearer.getNearestPoint2()
+            points = [
+                self._data.oMi[joint].actInv(np.array(point))
+                for joint, point in zip(self._joint[pair], ends, strict=True)
+            ]
+            measured = Measured(distance, *points)
+        self._known[pair].add(pose, distance, measured)
+        return measured
 
     def capsule_table(self, active: Flags, reduced: Array) -> RowTable:
         """Return rows that keep capsules apart; see `bodies.capsule_table`."""
@@ -174,15 +231,14 @@ class Survey:
         k, found = self.problem.k, [np.zeros((0, len(self.pairs.number)))]
         for first in range(0, len(q), k):
             part = q[first : first + k]
-            whole = np.concatenate([part, np.repeat(part[-1:], k - len(part), axis=0)])
-            found.append(gaps(self._capsules, whole)[: len(part)])
+            found.append(gaps(self._capsules.window(0, len(part)), part))
         result = np.concatenate(found)
         on_chain = (self.joints.segment[self.pairs.joint] != OFF_CHAIN).all(axis=1)
         return np.where(on_chain, result, -np.inf)
 
     def _record(
         self,
-        found: list[tuple[int, int, float, bool, Array, Array, Array]],
+        found: list[_Found],
         placed: Array,
         extra: Array | None,
     ) -> Contacts:
@@ -214,3 +270,18 @@ class Survey:
 def _in_joint(placed: Array, direction: Array) -> Array:
     """Return directions of the world (c, 3) in axes of joints with poses (c, 4, 4)."""
     return np.asarray(np.einsum("cji,cj->ci", placed[:, :3, :3], direction))
+
+
+def _relative(first: Array, second: Array) -> Array:
+    """Return poses (c, 4, 4) of second bodies in first ones."""
+    turned = np.swapaxes(first[..., :3, :3], -1, -2)
+    found = np.zeros(first.shape)
+    found[..., :3, :3] = turned @ second[..., :3, :3]
+    found[..., :3, 3:] = turned @ (second[..., :3, 3:] - first[..., :3, 3:])
+    return found
+
+
+def box_around(points: Array, radius: float) -> Array:
+    """Return the corners (8, 3) of a box around points and a radius."""
+    low, high = points.min(axis=0) - radius, points.max(axis=0) + radius
+    return np.array([np.where(upper, high, low) for upper in np.ndindex(2, 2, 2)])

@@ -66,17 +66,19 @@ def _apart_alone(
     survey.meter.solved(int(ends.iterations.sum()), 1, 0)
     ends = replace(ends, q=turns.folded(ends.q), converged=ends.status == 0)
     alone = distinct(ends).ends
-    near = survey.contacts(alone.q[:, 0], 0.0)
-    lack = np.zeros(len(alone.q))
-    np.maximum.at(lack, near.point, near.lack)
-    clear = np.flatnonzero(lack <= TOLERANCE.clearance)[:most]
-    found = [(float(alone.objective[end]), alone.q[end, 0]) for end in clear]
-    # Those that lack little may end below them.
-    worst = found[-1][0] if len(found) == most else np.inf
+    found: list[tuple[float, Array]] = []
+    close: list[Array] = []  # these may end below those that are apart
+    for value, q in zip(alone.objective.tolist(), alone.q, strict=True):
+        lack = survey.contacts(q, 0.0, enough=_LACKING).worst
+        if lack <= TOLERANCE.clearance:
+            found.append((value, q[0]))
+            if len(found) == most:
+                break
+        elif lack < _LACKING and len(close) < most:
+            close.append(q)
     basin = Basin(Survey(one, survey.pairs, survey.meter), between=False)
-    close = (lack > TOLERANCE.clearance) & (lack < _LACKING) & (alone.objective < worst)
-    for end in np.flatnonzero(close)[:most]:
-        apart = basin.repaired(alone.q[end])
+    for q in close:
+        apart = basin.repaired(q)
         if apart is not None:
             found.append((apart.objective, apart.q[0]))
     return [q for _, q in sorted(found, key=lambda each: each[0])[:most]]

@@ -72,6 +72,7 @@ def tables_of(results: Sequence[tuple[Task, Trajectory]]) -> dict[str, Rows]:
             ),
             ("lower bound", lambda _, t: _bound(t.evidence.bound)),
             ("gap to it", lambda _, t: _share(t.evidence.gap)),
+            ("known without clearance", lambda _, t: _without_clearance(t)),
             ("stationarity", lambda _, t: _local(t.evidence, "stationarity")),
             ("smallest curvature", lambda _, t: _local(t.evidence, "curvature_min")),
             ("bounds that hold", lambda _, t: _local(t.evidence, "active_bounds")),
@@ -116,7 +117,17 @@ def _bound(bound: Bound | None) -> str:
     if bound is None:
         return ""
     wrong = ", above this very path: a search missed a minimum, or the bound is wrong"
-    return _number(bound.value, digits=7) + (wrong if bound.contradicted else "")
+    text = _number(bound.value, digits=7) + (wrong if bound.contradicted else "")
+    return text if bound.without_clearance is None else f"{text}\nmade without clearance"
+
+
+def _without_clearance(t: Trajectory) -> str:
+    """Say what the answer costs beside the best path that keeps none."""
+    bound = t.evidence.bound
+    if bound is None or bound.without_clearance is None or bound.without_clearance <= 0.0:
+        return ""
+    above = _share(t.objective / bound.without_clearance - 1.0)
+    return f"{_number(bound.without_clearance, digits=7)}; the answer lies {above} above"
 
 
 def _clearance(clearance: Distances | None) -> str:

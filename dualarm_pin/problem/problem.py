@@ -17,118 +17,29 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pinocchio as pin
 from numpy.typing import ArrayLike, NDArray
 
 from dualarm_pin import reference
 from dualarm_pin.arrays import checked
 from dualarm_pin.chain import Chain, chain_of, quaternion_of
-from dualarm_pin.errors import InputError, ShapeError
+from dualarm_pin.errors import ShapeError
 from dualarm_pin.indices import Index
-from dualarm_pin.relative import Relative
+from dualarm_pin.problem.bounds import Bounds, barrier_bounds
+from dualarm_pin.problem.links import Links, Neighbours, metric_rows
+from dualarm_pin.problem.points import Points, checked_rows, taken
+from dualarm_pin.problem.spin import spin_frame, spin_of
+from dualarm_pin.problem.terms import IndexTerms, index_terms, typical_size
 from dualarm_pin.rows.row import Row
 from dualarm_pin.rows.table import RowTable, extended, row_table
-from dualarm_pin.tolerance import TOLERANCE
 
 if TYPE_CHECKING:
     from dualarm_pin.cell import Cell
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
-R = TypeVar("R", bound=NamedTuple)
-FORCE, CALLED = 0, 1
-
-_SIZES = 9  # postures: enough for a median within a factor of two
-_NEAR_ONE = 50.0  # the tolerances of the solvers were tried on indices from 1/50 to 50
-
-
-class Points(NamedTuple):
-    """What differs from point to point; the first axis of every array counts points.
-
-    Attributes:
-        position: (k, 3) wanted position of e2 in e1 [m].
-        rotation: (k, 3, 3) wanted rotation of e2 in e1.
-        quaternion: (k, 4) the same (w, x, y, z), e2 turned so that the spin axis is its z.
-        target_axes: (k, 3, 3) the transposed rotation, e2 turned likewise.
-        pose_rows: (k,) 6 whole pose, 5 spin free, 3 position.
-        u: (k, 6) directions in e1 axes.
-        index_weight: (k,) a_i.
-        linear: (k, n) theta_i.
-    """
-
-    position: Array
-    rotation: Array
-    quaternion: Array
-    target_axes: Array
-    pose_rows: Integers
-    u: Array
-    index_weight: Array
-    linear: Array
-
-
-class Links(NamedTuple):
-    """The link after each point; that after the last one leads nowhere.
-
-    Attributes:
-        weight: (k,) lambda_i.
-        metric: (k, n) diagonal m_i; the fixed neighbours take that of the nearest link.
-    """
-
-    weight: Array
-    metric: Array
-
-    def metric_of(self, i: int) -> Array:
-        """Return the metric (n,) of the link from point i to i + 1; -1 is that before the first."""
-        return np.asarray(self.metric[min(max(i, 0), max(len(self.metric) - 2, 0))])
-
-
-class Neighbours(NamedTuple):
-    """Fixed postures before the first point and after the last.
-
-    Attributes:
-        posture: (2, n).
-        weight: (2,) lambda of the links to them, 0 for none.
-    """
-
-    posture: Array
-    weight: Array
-
-
-class IndexTerms(NamedTuple):
-    """The index by value.
-
-    Attributes:
-        kind: FORCE is part of the engine; every other index is CALLED, compiled by itself.
-        task_scale: (6,) square roots of the task weights.
-        joint_weights: (n,) diagonal of W.
-        centre: (n,) middle of the bounds.
-        centre_weight: (n,) weight of (q - centre)^2, with the index.
-    """
-
-    kind: int
-    task_scale: Array
-    joint_weights: Array
-    centre: Array
-    centre_weight: Array
-
-
-class Bounds(NamedTuple):
-    """Bounds for a barrier: a fixed variable gets a harmless interval around its value.
-
-    Attributes:
-        lower: (n,) rad or m.
-        upper: (n,).
-        fixed: (f,) columns that must not move.
-        fixed_value: (f,) where they stand; nan: where the start has them.
-    """
-
-    lower: Array
-    upper: Array
-    fixed: Integers
-    fixed_value: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,9 +125,9 @@ class Problem:
         n, k = int(chain.columns[0]), np.shape(position)[0] if np.ndim(position) == 2 else 0
         if not k:
             raise ShapeError(f"has shape {np.shape(position)}, not (k, 3)", field="position")
-        axis, turn = _spin(spin_axis)
+        axis, turn = spin_of(spin_axis)
         low, high = checked("lower", lower, (n,)), checked("upper", upper, (n,))
-        barrier = _barrier_bounds(low, high)
+        barrier = barrier_bounds(low, high)
         given = np.broadcast_to(rotation, (k, 3, 3)) if np.ndim(rotation) == 2 else rotation
         wanted = checked("rotation", given, (k, 3, 3))
         turned = wanted @ turn
@@ -226,7 +137,7 @@ class Problem:
             rotation=wanted,
             quaternion=np.array([quaternion_of(target) for target in turned]),
             target_axes=np.ascontiguousarray(turned.transpose(0, 2, 1)),
-            pose_rows=_pose_rows(pose_rows, k),
+            pose_rows=checked_rows(pose_rows, k),
             u=np.zeros((k, 6)) if u is None else checked("u", u, (k, 6)),
             index_weight=checked("index_weight", index_weight, (k,)),
             linear=np.zeros((k, n)),
@@ -239,12 +150,12 @@ class Problem:
             spin_axis=axis,
             lower=low,
             upper=high,
-            size=_typical_size(cell, index, points.u, low, high),
-            chain=_spin_frame(chain, turn),
+            size=typical_size(cell, index, points.u, low, high),
+            chain=spin_frame(chain, turn),
             points=points,
-            links=Links(np.append(links, 0.0), _metric(metric, k, n)),
+            links=Links(np.append(links, 0.0), metric_rows(metric, k, n)),
             neighbours=Neighbours(np.zeros((2, n)), np.zeros(2)),
-            terms=_index_terms(index, barrier),
+            terms=index_terms(index, barrier),
             bounds=barrier,
             equalities=tables[0],
             inequalities=tables[1],
@@ -348,8 +259,8 @@ class Problem:
             InputError: A value is not finite, or bounds cross.
         """
         low, high = checked("lower", lower, (self.n,)), checked("upper", upper, (self.n,))
-        bounds = _barrier_bounds(low, high)
-        terms = _index_terms(self.index, bounds)
+        bounds = barrier_bounds(low, high)
+        terms = index_terms(self.index, bounds)
         return replace(self, lower=low, upper=high, bounds=bounds, terms=terms)
 
     def with_pairs(self, pairs: RowTable) -> Problem:
@@ -382,98 +293,9 @@ class Problem:
     ) -> Problem:
         return replace(
             self,
-            points=_take(self.points, which),
+            points=taken(self.points, which),
             links=Links(links, self.links.metric[which]),
             neighbours=Neighbours(posture, weight),
-            equalities=_take(self.equalities, which),
-            inequalities=_take(self.inequalities, which),
+            equalities=taken(self.equalities, which),
+            inequalities=taken(self.inequalities, which),
         )
-
-
-def _take(record: R, which: slice | list[int]) -> R:
-    """Return a record of arrays over some of its points: views for a slice."""
-    return type(record)(*(array[which] for array in record))
-
-
-def _metric(given: ArrayLike, k: int, n: int) -> Array:
-    """Return the metric of the link after each point (k, n)."""
-    shape = (k - 1, n) if np.ndim(given) == 2 else (n,)
-    rows = np.broadcast_to(checked("metric", given, shape), (k - 1, n))
-    last = rows[-1:] if k > 1 else np.ones((1, n))
-    return np.ascontiguousarray(np.vstack([rows, last]))
-
-
-def _spin(axis: ArrayLike) -> tuple[Array, Array]:
-    """Return the unit axis (3,) and a rotation (3, 3) whose z it is; the identity for z."""
-    given = checked("spin_axis", axis, (3,))
-    length = np.linalg.norm(given)
-    if length < TOLERANCE.no_length:
-        raise InputError("is the zero vector; give an axis in the e2 frame", field="spin_axis")
-    given = given / length
-    turn = pin.Quaternion.FromTwoVectors(np.array([0.0, 0.0, 1.0]), given)
-    return given, np.asarray(turn.toRotationMatrix())
-
-
-def _spin_frame(chain: Chain, turn: Array) -> Chain:
-    """Return the chain with e2 turned."""
-    last = pin.Quaternion(np.roll(chain.quaternion[-1], -1)).toRotationMatrix()
-    quaternion = chain.quaternion.copy()
-    quaternion[-1] = quaternion_of(last @ turn)
-    return chain._replace(quaternion=quaternion)
-
-
-def _pose_rows(given: ArrayLike | None, k: int) -> Integers:
-    array = np.full(k, 6) if given is None else np.array(given, dtype=np.int64)
-    if array.shape != (k,):
-        raise ShapeError(f"has shape {array.shape}, not ({k},)", field="pose_rows")
-    if not np.isin(array, (6, 5, 3)).all():
-        found = sorted(set(array.tolist()))
-        raise InputError(f"has {found}: allowed are 6, 5 and 3", field="pose_rows")
-    return array.astype(np.int64)
-
-
-def _barrier_bounds(lower: Array, upper: Array) -> Bounds:
-    if (lower > upper).any():
-        at = int(np.argmax(lower > upper))
-        raise InputError(
-            f"column {at} has lower bound {lower[at]} above its upper bound {upper[at]}",
-            field="lower",
-        )
-    fixed = np.flatnonzero(upper - lower < TOLERANCE.fixed_joint)
-    value = 0.5 * (lower[fixed] + upper[fixed])
-    low, high = lower.copy(), upper.copy()
-    low[fixed], high[fixed] = value - 1.0, value + 1.0
-    return Bounds(low, high, fixed, value)
-
-
-def _index_terms(index: Index, bounds: Bounds) -> IndexTerms:
-    n = len(bounds.lower)
-    weights = np.ones(6) if index.task_weights is None else index.task_weights
-    joints = 1.0 if index.joint_weights is None else index.joint_weights
-    half = 0.5 * (bounds.upper - bounds.lower)
-    half[bounds.fixed] = np.inf
-    return IndexTerms(
-        kind=FORCE if index.kernel == "force" else CALLED,
-        task_scale=np.sqrt(weights),
-        joint_weights=checked("joint_weights", joints, (n,)),
-        centre=0.5 * (bounds.lower + bounds.upper),
-        centre_weight=index.joint_centre / half**2,
-    )
-
-
-def _typical_size(cell: Any, index: Index, u: Array, lower: Array, upper: Array) -> float:
-    """Return the median of |c| over a few postures, or 1 where that is near enough.
-
-    A solver's tolerances are absolute: an index of size 1e-3 would stop early, one of 1e4 would
-    never be done.
-    """
-    draw = np.random.default_rng(0).uniform(lower, upper, (_SIZES, len(lower)))
-    at = np.linspace(0, len(u) - 1, _SIZES).astype(int)
-    values = [
-        reference.index_value(index, Relative(cell, q), u[i], q, (lower, upper))
-        for q, i in zip(draw, at, strict=True)
-    ]
-    finite = np.abs([value for value in values if np.isfinite(value)])
-    size = float(np.median(finite)) if len(finite) else 1.0
-    near_enough = 1.0 / _NEAR_ONE <= size <= _NEAR_ONE
-    return 1.0 if near_enough or not size > 0.0 else size
