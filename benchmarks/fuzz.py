@@ -11,6 +11,7 @@ forked processes that hold the loaded package; one that hangs or dies takes only
 from __future__ import annotations
 
 import argparse
+import importlib
 import io
 import json
 import multiprocessing as mp
@@ -59,7 +60,7 @@ from dualarm_pin.task import Task
 PAGES: list[Pages] = []
 """The pages of a design server, made once: forked processes have them as they were."""
 SECONDS = 10.0  # of processor time of one case
-BLOCKED = 60.0  # wall time of one case: only what waits for ever takes so long
+BLOCKED = 600.0  # wall time of one case: only what waits for ever takes so long
 MEMORY = 2 * 1024**3  # bytes of address space beyond what the process begins with
 AGAIN = 500  # cases after which a process gives way to a fresh one
 MOST_VERIFIED = 200  # points; longer paths are loaded and not checked
@@ -161,6 +162,7 @@ def prepare_motion(folder: Path) -> None:
     (folder / "easy.yaml").write_text(json.dumps(sound_files.EASY | {"path": path}))
     task = Task.load(folder / "easy.yaml")
     answer = plan(task, "local")
+    importlib.import_module("dualarm_pin.exports.glb.write")  # once, not in every process
     for place in ("moving", "moving/alternatives/2"):
         save_result(folder / place, task, answer)
     make_motion(task, answer).write(folder / "moving")

@@ -81,6 +81,7 @@ def test_alternatives_stand_beside_the_result_and_go_with_it(
     assert listed[1]["apart"] == best.alternatives[0].apart
     (tmp_path / "motion.csv").write_text("of this one")
     (tmp_path / "motion.npz").write_bytes(b"of this one")
+    (tmp_path / "sensitivity.json").write_text("{}")
     (tmp_path / "mine.txt").write_text("stays")
     save_result(tmp_path, task, replace(best, alternatives=()))
     names = {file.name for file in tmp_path.rglob("*")}

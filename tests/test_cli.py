@@ -138,6 +138,7 @@ COMMANDS = {
     "cell --set": (("solve", TASK, "--set", "cell.arms.arm2.bsae.xyz=[1, 0, 0]"), "bsae"),
     "no result": (("view", "."), "give the folder that `solve --out` wrote"),
     "nothing to view": (("view",), "RESULTS requires an argument"),
+    "paper into a file": (("paper", "--out", "file"), "cannot write here"),
     "out is a file": (("solve", TASK, "--method", "local", "--out", "file/x"), "cannot write here"),
 }  # fmt: skip
 

@@ -10,8 +10,8 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from answers import answers, task
+from commands import Run
 from motion_cases import line_result, result_with_motion
-from test_cli import run
 from test_exports import SIX, pair
 
 import dualarm_pin as dp
@@ -156,7 +156,7 @@ def test_what_is_no_solution_is_said(tmp_path: Path) -> None:
     assert "CAUTION: this is no solution" in exported.as_text()
 
 
-def test_the_command_says_what_it_wrote(paper: Path, tmp_path: Path) -> None:
+def test_the_command_says_what_it_wrote(paper: Path, tmp_path: Path, run: Run) -> None:
     done = run("export", paper, *GLB, "--out", "out", "--name", "corner", cwd=tmp_path)
     assert done.returncode == 0
     assert "40 bodies, 401 keys of 4.000 s" in done.stdout

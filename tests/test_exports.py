@@ -15,11 +15,11 @@ from typing import Any
 import numpy as np
 import pytest
 from answers import answers, changed, task
+from commands import Run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motion_cases import arm_urdf, line_result, motion_of, result_with_motion
 from test_cell_files import TORSO
-from test_cli import run
 
 import dualarm_pin as dp
 from dualarm_pin.answer.folder import load_result, save_result
@@ -335,7 +335,7 @@ def test_fewer_points_for_a_wider_tolerance(paper: Path, tmp_path: Path) -> None
 
 
 def test_a_tolerance_below_the_samples_of_the_motion_is_not_met(
-    paper: Path, tmp_path: Path
+    paper: Path, tmp_path: Path, run: Run
 ) -> None:
     done = run("export", paper, "--to", "rapid", "--out", "out", "--mm", "1e-4", cwd=tmp_path)
     assert done.returncode == 1
@@ -345,7 +345,7 @@ def test_a_tolerance_below_the_samples_of_the_motion_is_not_met(
 
 
 def test_the_command_writes_a_program_again_and_nothing_over_other_files(
-    paper: Path, tmp_path: Path
+    paper: Path, tmp_path: Path, run: Run
 ) -> None:
     dp.export(paper, "csv", tmp_path / "out")
     done = run("export", paper, "--to", "csv", "--out", "out", cwd=tmp_path)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _LARGEST_JSON = 50_000_000  # bytes; of the longest path 20 MB
-_OF_AN_OLDER = ("motion.csv", "motion.npz", FOLDER)  # trajectory, where they were not written
+_OF_AN_OLDER = ("motion.csv", "motion.npz", "sensitivity.json", FOLDER)  # trajectory: they go
 _DONE = ("method=null", "solver=null")  # have done their work: none of their code is needed
 _NOT_OURS = "not a result of this program"
 
@@ -47,7 +47,7 @@ def save_result(folder: str | Path, task: Task, trajectory: Trajectory) -> None:
 def save_trajectory(folder: str | Path, trajectory: Trajectory, task: str | None = None) -> None:
     """Write a trajectory into a folder; the old files stay until all new ones are on the disk.
 
-    What belongs to an older trajectory goes with it: its motion and its alternatives.
+    What belongs to an older trajectory goes with it: its motion, its costs and its alternatives.
 
     Args:
         folder: Where to.

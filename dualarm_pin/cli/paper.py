@@ -6,6 +6,7 @@ from pathlib import Path
 
 from dualarm_pin.cli import DONE, NOT_FOUND
 from dualarm_pin.cli.terminal import TerminalProgress
+from dualarm_pin.files.write import reserved
 
 
 def paper(
@@ -25,7 +26,7 @@ def paper(
     """
     from dualarm_pin.paper import notes, reproduce, write
 
-    with TerminalProgress() as progress:
+    with reserved(out), TerminalProgress() as progress:
         reproduction = reproduce(starts=starts, seed=seed, jobs=jobs, progress=progress)
         files = write(reproduction, out)
     print(reproduction.table())
