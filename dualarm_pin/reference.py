@@ -1,4 +1,4 @@
-"""The objective and the rows of a problem by Pinocchio, one point at a time.
+"""The objective and the rows of a problem by Pinocchio, at one point or at all.
 
 The reference that the engine is checked against, and what a solver that asks Python gets.
 """
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from dualarm_pin.indices import Index
 from dualarm_pin.relative import Relative
+from dualarm_pin.relatives import Relatives
 from dualarm_pin.rows.pose import pose_residual
 
 if TYPE_CHECKING:
@@ -22,23 +23,30 @@ Array = NDArray[np.float64]
 
 def objective(problem: Problem, q: Array) -> float:
     """Return the objective at q (k, n)."""
+    held = problem.points.index_weight != 0.0
     bounds = problem.lower, problem.upper
-    value = sum(
-        weight * index_value(problem.index, Relative(problem.cell, q_i), u, q_i, bounds)
-        for weight, q_i, u in zip(problem.points.index_weight, q, problem.points.u, strict=True)
-        if weight != 0.0
-    )
-    return float(value) + coupling(problem, q)[0]
+    relatives = Relatives(problem.cell, q[held])
+    values = index_values(problem.index, relatives, problem.points.u[held], bounds)
+    return float(problem.points.index_weight[held] @ values) + coupling(problem, q)[0]
 
 
 def objective_and_gradient(problem: Problem, q: Array) -> tuple[float, Array]:
     """Return the objective at q (k, n) and its gradient (k, n)."""
     value, gradient = coupling(problem, q)
-    for i, q_i in enumerate(q):
-        c, dc = point_gradient(problem, i, Relative(problem.cell, q_i))
-        value += c
-        gradient[i] += dc
-    return value, gradient
+    held = np.flatnonzero(problem.points.index_weight)
+    c, dc = point_gradients(problem, held, Relatives(problem.cell, q[held]))
+    gradient[held] += dc
+    return value + float(np.sum(c)), gradient
+
+
+def point_gradients(
+    problem: Problem, points: NDArray[np.int64], relatives: Relatives
+) -> tuple[Array, Array]:
+    """Return a_i c (s,) at some points (s,), and the gradients (s, n); see `point_gradient`."""
+    weight, bounds = problem.points.index_weight[points], (problem.lower, problem.upper)
+    c, dc = index_gradients(problem.index, relatives, problem.points.u[points], bounds)
+    c[weight == 0.0], dc[weight == 0.0] = 0.0, 0.0  # it may be infinite where it does not count
+    return weight * c, weight[:, None] * dc
 
 
 def point_gradient(problem: Problem, i: int, relative: Relative) -> tuple[float, Array]:
@@ -102,6 +110,20 @@ def violation(problem: Problem, q: Array) -> float:
     return worst
 
 
+def further_slopes(problem: Problem, i: int, q: Array, held: NDArray[np.int64]) -> Array:
+    """Return the Jacobian (m, n) of the rows of point i beside the pose, at q (n,).
+
+    Args:
+        problem: The problem.
+        i: The point.
+        q: Joints (n,).
+        held: Which of its inequality rows; all its equality rows come first.
+    """
+    equal, unequal = problem.equalities, problem.inequalities
+    which = np.append(equal.source[i, : equal.size[i]], unequal.source[i, : unequal.size[i]][held])
+    return np.array([problem.rows[number].at(problem.cell, q)[1] for number in which])
+
+
 def _rows(problem: Problem, which: NDArray[np.int64], relative: Relative) -> tuple[Array, Array]:
     found = [problem.rows[number].at(problem.cell, relative.q) for number in which]
     values = np.array([value for value, _ in found])
@@ -109,10 +131,10 @@ def _rows(problem: Problem, which: NDArray[np.int64], relative: Relative) -> tup
 
 
 def index_matrix(index: Index, J: Array) -> Array:
-    """Return A = Wt^(1/2) J W J^T Wt^(1/2) (6, 6) (eq. 8)."""
+    """Return A = Wt^(1/2) J W J^T Wt^(1/2) (..., 6, 6) (eq. 8) for J (..., 6, n)."""
     rows = J if index.task_weights is None else np.sqrt(index.task_weights)[:, None] * J
     weighted = rows if index.joint_weights is None else rows * index.joint_weights
-    return rows @ weighted.T
+    return np.asarray(rows @ weighted.swapaxes(-1, -2))
 
 
 def index_value(
@@ -129,6 +151,38 @@ def index_value(
     """
     value = float(index.phi(index_matrix(index, relative.J_r), u))
     return value + _joint_centre(index, q, bounds)[0]
+
+
+def index_values(
+    index: Index,
+    relatives: Relatives,
+    u: Array,
+    bounds: tuple[Array, Array],
+    *,
+    reported: bool = False,
+) -> Array:
+    """Return c (s,) at several q, as `index_value` or, if `reported`, as `reported_value`."""
+    phi = index.exact if reported and index.exact is not None else index.phi
+    matrices = index_matrix(index, relatives.J_r)
+    values = np.array([float(phi(A, u_i)) for A, u_i in zip(matrices, u, strict=True)])
+    centre = np.array([_joint_centre(index, q, bounds)[0] for q in relatives.q])
+    return np.asarray(values + centre, dtype=np.float64)
+
+
+def index_gradients(
+    index: Index, relatives: Relatives, u: Array, bounds: tuple[Array, Array]
+) -> tuple[Array, Array]:
+    """Return c (s,) at several q and dc/dq (s, n); the arguments are those of `index_value`."""
+    J, matrices = relatives.J_r, index_matrix(index, relatives.J_r)
+    slope = np.array([index.gradient(A, u_i) for A, u_i in zip(matrices, u, strict=True)])
+    slope = slope.reshape(len(relatives), 6, 6)
+    if index.task_weights is not None:
+        root = np.sqrt(index.task_weights)
+        slope = root[:, None] * slope * root
+    P = slope @ J if index.joint_weights is None else slope @ J * index.joint_weights
+    centre = [_joint_centre(index, q, bounds)[1] for q in relatives.q]
+    gradient = 2.0 * relatives.along(P) + np.reshape(centre, J[:, 0].shape)
+    return index_values(index, relatives, u, bounds), gradient
 
 
 def reported_value(

@@ -64,7 +64,7 @@ class Relative:
         """
         J = self._J_model
         n = J.shape[1]
-        early = _chain_order(self.cell)
+        early = chain_order(self.cell)
         skew = (_SKEW @ J[3:]).reshape(3, 3, n).transpose(0, 2, 1).reshape(3 * n, 3)
         cross = (skew @ J.reshape(2, 3, n)).reshape(2, 3, n, n)  # [., a, l, k] = (w_l x J_k)_a
         parts = np.empty((2, 3, n, n))
@@ -120,7 +120,7 @@ def _motion_in_model(cell: Cell, first: int, second: int, q: ArrayLike) -> tuple
 _ORDER: weakref.WeakKeyDictionary[Cell, NDArray[np.bool_]] = weakref.WeakKeyDictionary()
 
 
-def _chain_order(cell: Cell) -> NDArray[np.bool_]:
+def chain_order(cell: Cell) -> NDArray[np.bool_]:
     """Return a mask (n, n) [k, l]: joint l comes before or at joint k in chain order."""
     try:
         return _ORDER[cell]

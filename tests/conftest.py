@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING
 import pytest
 
 if TYPE_CHECKING:
+    from commands import Run
+
     from dualarm_pin.cell import Cell
     from dualarm_pin.problem import Problem
     from dualarm_pin.task import Task
@@ -48,6 +50,23 @@ def problem() -> Problem:
     import paper_case
 
     return paper_case.problem()
+
+
+@pytest.fixture
+def run(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Run `dualarm-pin` with arguments from the folder `cwd`; what it does not catch is raised."""
+    from commands import Done
+
+    from dualarm_pin.cli import main
+
+    def run(*arguments: object, cwd: Path) -> Done:
+        monkeypatch.chdir(cwd)
+        capsys.readouterr()
+        with pytest.raises(SystemExit) as end:
+            main([str(each) for each in arguments])
+        return Done(int(end.value.code or 0), *capsys.readouterr())
+
+    return run
 
 
 def no_skip_in_ci(report: pytest.TestReport | pytest.CollectReport) -> None:

@@ -110,6 +110,7 @@ def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_pa
     assert (out / "rows.jsonl").read_bytes() == before
 
 
+@pytest.mark.slow
 def test_a_run_that_kills_its_workers_is_set_aside_and_takes_no_other_along(tmp_path):
     file = write_suite(tmp_path, [fake("kill_worker", "kills"), fake("quick", "good")], 4)
     text = file.read_text().replace('"name": "kills"', '"name": "kills", "seeds": [2]')
@@ -223,6 +224,7 @@ def two_workers(tmp_path):
             process.wait()
 
 
+@pytest.mark.slow
 def test_a_worker_killed_during_the_run_changes_nothing_in_the_table(tmp_path, two_workers):
     address, processes = two_workers
     gate, out = tmp_path / "gate", tmp_path / "out"

@@ -145,6 +145,32 @@ def test_phone_is_one_column(file):
         assert view.complaints == []
 
 
+def test_bodies_in_each_other_are_coloured_where_nothing_is_asked_too(tmp_path):
+    q = motions()[0][0]
+    cell, data = pair(), pair().model.createData()
+    pin.framesForwardKinematics(cell.model, data, q[0])
+    place = np.round(data.oMf[cell.e1].translation, 3).tolist()
+    block = f"cell.objects={{block: {{box: [0.02, 0.02, 0.02], at: {{xyz: {place}}}}}}}"
+    asked = Task.load(TASK, ["clearance=off", block])
+    answer = verified(asked, q, method="m", solver="s")
+    write_report(tmp_path / "off.html", {"off": (asked, answer)})
+    with opened((tmp_path / "off.html").as_uri(), 1440, 900) as view:
+        view.do("dualarm.seek(0)")
+        near = view.do("dualarm.nearest()")
+        assert "block" in near["names"]
+        assert near["distance"] < 0.0
+        assert {"arm1/link_6", "block"} <= set(near["lacking"])
+        free = [i for i in range(31) if min(cell_distances(asked, q[i])) > 0.0]
+        assert free
+        view.do(f"dualarm.seek({free[0] / 30})")
+        assert view.do("dualarm.nearest().lacking") == []
+
+
+def cell_distances(asked, q):
+    """Return the distances of what does not belong together by nature."""
+    return asked.cell.distances(q)[asked.cell.apart_by_nature]
+
+
 def test_the_nearest_bodies_are_drawn_where_they_are_and_coloured_where_too_near(tmp_path):
     """The line ends on the bodies, its length is the distance, and its curve follows the cursor."""
     asked = Task.load(TASK, ["clearance=0.25"])

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import resource
 import sys
 from pathlib import Path
 
@@ -357,6 +358,13 @@ def test_pairs_that_always_touch_are_dropped_and_named(folder: Path) -> None:
     assert cell.clearance(np.zeros(6)).distance > 1
 
 
+INCLUDES = """\
+<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">
+  <xacro:include filename="parts/all.xacro"/>
+</robot>
+"""
+
+
 def test_xacro_is_expanded(folder: Path) -> None:
     pytest.importorskip("xacrodoc")
     text = SOUND.replace(
@@ -371,6 +379,13 @@ def test_xacro_is_expanded(folder: Path) -> None:
     q = np.zeros(6)
     assert at(load(folder, named), q).translation[2] == pytest.approx(0)
     assert at(load(folder, moved), q).translation[2] == pytest.approx(4 * 0.1)
+    (folder / "parts").mkdir()
+    more = text.replace("<link", '<xacro:include filename="more.xacro"/><link', 1)
+    (folder / "parts" / "all.xacro").write_text(more)
+    (folder / "parts" / "more.xacro").write_text('<robot name="more"/>')
+    (folder / "include.xacro").write_text(INCLUDES)
+    included = moved.replace("small.urdf.xacro", "include.xacro")
+    assert at(load(folder, included), q).translation[2] == pytest.approx(4 * 0.1)
     broken = text.replace("${2 * reach}", "${2 * rech}")
     (folder / "small.urdf.xacro").write_text(broken)
     with pytest.raises(InputError, match=r"small\.urdf\.xacro: xacro cannot expand.*rech"):
@@ -404,6 +419,36 @@ def test_xacro_runs_no_code(folder: Path, expression: str, what: str) -> None:
     with pytest.raises(InputError, match=r"arm\.xacro: xacro cannot expand") as caught:
         load(folder, PAIR.replace("small.urdf", "arm.xacro"))
     assert what in str(caught.value)
+
+
+ENDLESS = {
+    "a macro that calls itself": '<xacro:macro name="m"><xacro:m/></xacro:macro><xacro:m/>',
+    "macros that call ten others": "".join(
+        f'<xacro:macro name="m{k}">{f"<xacro:m{k + 1}/>" * 10}</xacro:macro>' for k in range(12)
+    )
+    + '<xacro:macro name="m12"><link name="a"/></xacro:macro><xacro:m0/>',
+    "a text that is doubled": '<xacro:property name="a0" value="aaaaaaaaaa"/>'
+    + "".join(f'<xacro:property name="a{k + 1}" value="${{a{k}}}${{a{k}}}"/>' for k in range(40))
+    + '<link name="${a40}"/>',
+    "a text times a number": "<link name=\"${'a' * 1000000 * 100000}\"/>",
+    "a loop of includes": '<xacro:include filename="$(dirname)/arm.xacro"/>',
+}
+
+
+@pytest.mark.parametrize("case", ENDLESS)
+def test_xacro_without_end_is_refused(
+    case: str, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("xacrodoc")
+    monkeypatch.setattr("dualarm_pin.robot.xacro.SECONDS", 2)
+    head = '<robot name="small" xmlns:xacro="http://www.ros.org/wiki/xacro">'
+    (folder / "arm.xacro").write_text(SOUND.replace('<robot name="small">', head + ENDLESS[case]))
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    with pytest.raises(InputError, match=r"arm\.xacro: xacro cannot expand this file: ") as caught:
+        load(folder, PAIR.replace("small.urdf", "arm.xacro"))
+    assert "does a macro call itself" in str(caught.value)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 5.0
 
 
 def test_xacro_takes_arithmetic_and_harmless_functions(folder: Path) -> None:

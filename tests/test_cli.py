@@ -11,6 +11,7 @@ from pathlib import Path
 
 import pytest
 from answers import answer
+from commands import Run
 from paper_case import CELL, TASK
 from patience import LONG
 
@@ -19,13 +20,13 @@ from dualarm_pin.motion import Motion
 from dualarm_pin.task import Task
 
 
-def run(*arguments: object, cwd: Path, timeout: float = LONG) -> subprocess.CompletedProcess[str]:
+def started(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
     return subprocess.run(
         [sys.executable, "-m", "dualarm_pin", *map(str, arguments)],
         cwd=cwd,
         capture_output=True,
         text=True,
-        timeout=timeout,
+        timeout=LONG,
         check=False,
     )
 
@@ -45,7 +46,7 @@ def small_task(folder: Path, **changes: str) -> Path:
 
 
 def test_solve_writes_a_result_that_scripts_can_read(tmp_path: Path) -> None:
-    done = run("solve", small_task(tmp_path), "--method", "local", "--out", "r", cwd=tmp_path)
+    done = started("solve", small_task(tmp_path), "--method", "local", "--out", "r", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "found by local" in done.stdout
     result = json.loads((tmp_path / "r" / "result.json").read_text())
@@ -62,7 +63,7 @@ def test_solve_writes_a_result_that_scripts_can_read(tmp_path: Path) -> None:
     ]  # fmt: skip
 
 
-def test_the_task_in_a_result_solves_again_to_the_same_answer(tmp_path: Path) -> None:
+def test_the_task_in_a_result_solves_again_to_the_same_answer(tmp_path: Path, run: Run) -> None:
     task = small_task(tmp_path)
     first = run("solve", task, "--method", "local", "--out", "a", "--set", "smoothness=7",
                 "--set", "cell.arms.arm2.base.xyz=[2.45, 0, 0]", cwd=tmp_path)  # fmt: skip
@@ -75,7 +76,7 @@ def test_the_task_in_a_result_solves_again_to_the_same_answer(tmp_path: Path) ->
     assert (tmp_path / "c" / "trajectory.csv").read_text() != read[0]
 
 
-def test_an_unreachable_path_ends_with_1_and_its_result(tmp_path: Path) -> None:
+def test_an_unreachable_path_ends_with_1_and_its_result(tmp_path: Path, run: Run) -> None:
     task = small_task(tmp_path)
     done = run("solve", task, "--method", "local", "--set", "path.corner.height=4.5",
                "--out", "r", cwd=tmp_path)  # fmt: skip
@@ -104,14 +105,14 @@ BAD = {
     ),
     "no path": ({"path": ""}, "path: this key is missing"),
     "joint weights": ({"index": "{force: {joint_weights: [1, 2]}}"}, "weight for each of 12"),
-    "Gamma": ({"two_stage": "{Gamma: [1, 4]}"}, "two_stage.Gamma: expected increasing"),
+    "Gamma": ({"two_stage": "{Gamma: [1, 4]}"}, "small.yaml:5: two_stage.Gamma: expected"),
     "not YAML": ({"path": "{corner: [}"}, "small.yaml:2: not valid YAML"),
 }
 
 
 @pytest.mark.parametrize(("changes", "message"), BAD.values(), ids=BAD)
 def test_wrong_input_ends_with_2_and_one_message(
-    tmp_path: Path, changes: dict[str, str], message: str
+    tmp_path: Path, changes: dict[str, str], message: str, run: Run
 ) -> None:
     method = ("--method", "two-stage") if "two_stage" in changes else ()
     done = run("solve", small_task(tmp_path, **changes), *method, "--out", "r", cwd=tmp_path)
@@ -143,7 +144,7 @@ COMMANDS = {
 
 @pytest.mark.parametrize(("arguments", "message"), COMMANDS.values(), ids=COMMANDS)
 def test_a_wrong_command_ends_with_2_and_one_message(
-    tmp_path: Path, arguments: tuple[object, ...], message: str
+    tmp_path: Path, arguments: tuple[object, ...], message: str, run: Run
 ) -> None:
     (tmp_path / "file").write_text("")
     done = run(*arguments, cwd=tmp_path)
@@ -164,7 +165,7 @@ def test_the_options_are_those_of_the_table_of_methods() -> None:
     assert get_args(hints["effort"]) == EFFORTS
 
 
-def test_version_and_help_end_with_0(tmp_path: Path) -> None:
+def test_version_and_help_end_with_0(tmp_path: Path, run: Run) -> None:
     assert run("--version", cwd=tmp_path).stdout.strip().count(".") == 2
     for command in ((), ("solve",), ("paper",), ("view",), ("check",), ("bench",)):
         done = run(*command, "--help", cwd=tmp_path)
@@ -172,7 +173,7 @@ def test_version_and_help_end_with_0(tmp_path: Path) -> None:
         assert "Usage" in done.stdout
 
 
-def test_check_says_what_was_understood(tmp_path: Path) -> None:
+def test_check_says_what_was_understood(tmp_path: Path, run: Run) -> None:
     done = run("check", CELL, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert "arm1/joint_1" in done.stdout
@@ -197,7 +198,9 @@ def test_ctrl_c_ends_at_once_without_a_traceback(tmp_path: Path) -> None:
         assert json.loads((tmp_path / "r" / "result.json").read_text())["found"] is True
 
 
-def test_motion_is_written_beside_a_result_and_refused_without_one(tmp_path: Path) -> None:
+def test_motion_is_written_beside_a_result_and_refused_without_one(
+    tmp_path: Path, run: Run
+) -> None:
     out = tmp_path / "r"
     save_result(out, Task.load(TASK), answer())
     before = (out / "result.json").read_bytes()
@@ -214,7 +217,7 @@ def test_motion_is_written_beside_a_result_and_refused_without_one(tmp_path: Pat
     assert (missing.returncode, missing.stderr.count("\n")) == (2, 1)
 
 
-def test_solve_runs_the_motion_that_the_task_asks_for(tmp_path: Path) -> None:
+def test_solve_runs_the_motion_that_the_task_asks_for(tmp_path: Path, run: Run) -> None:
     path = "{corner: {side: 0.15, fillet: 0.01, height: 0.3, points: [9, 3, 9]}, "
     path += "rotation: [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}"
     task = small_task(tmp_path, motion="{law: time_optimal, rate: 0.01}", path=path)

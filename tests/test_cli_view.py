@@ -24,16 +24,9 @@ def folders(tmp_path_factory):
     return made
 
 
-def run(*arguments):
-    return subprocess.run(
-        [sys.executable, "-m", "dualarm_pin", "view", *map(str, arguments)],
-        capture_output=True, text=True, timeout=LONG, check=False,
-    )  # fmt: skip
-
-
-def test_one_file_with_three_results(folders, tmp_path):
+def test_one_file_with_three_results(folders, tmp_path, run):
     file = tmp_path / "deep" / "report.html"
-    done = run(*folders, "--html", file)
+    done = run("view", *folders, "--html", file, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     assert done.stdout == f"written to {file}\n"
     text = file.read_text("utf-8")
@@ -85,8 +78,8 @@ def _line(program):
         ),
     ],
 )
-def test_wrong_input_is_one_message(folders, arguments, message):
-    done = run(*(text.format(*folders) for text in arguments))
+def test_wrong_input_is_one_message(folders, arguments, message, run, tmp_path):
+    done = run("view", *(text.format(*folders) for text in arguments), cwd=tmp_path)
     assert done.returncode == 2
     assert message in done.stderr
     assert "Traceback" not in done.stderr

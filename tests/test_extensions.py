@@ -14,7 +14,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import Run
 from paper_case import world_pose
+from patience import LONG
 
 import dualarm_pin as dp
 
@@ -256,13 +258,6 @@ def test_the_method_and_the_solver_of_a_file_may_be_names(mine: Path) -> None:
         dp.plan(task, "global")
 
 
-def run(*arguments: object, cwd: Path) -> subprocess.CompletedProcess[str]:
-    return subprocess.run(
-        [sys.executable, "-m", "dualarm_pin", *map(str, arguments)],
-        cwd=cwd, capture_output=True, text=True, timeout=180, check=False,
-    )  # fmt: skip
-
-
 CALLS = {
     "index": 'index: {call: "touch:it", weight: 2}',
     "method": 'method: {call: "touch:it"}',
@@ -273,7 +268,9 @@ CALLS = {
 
 @pytest.mark.parametrize("line", CALLS.values(), ids=CALLS)
 @pytest.mark.parametrize("command", ["solve", "check"])
-def test_nothing_is_imported_unless_it_is_allowed(tmp_path: Path, line: str, command: str) -> None:
+def test_nothing_is_imported_unless_it_is_allowed(
+    tmp_path: Path, line: str, command: str, run: Run
+) -> None:
     (tmp_path / "touch.py").write_text("from pathlib import Path\nPath('touched').touch()\n")
     file = write(tmp_path)
     file.write_text(file.read_text() + line + "\n")
@@ -293,7 +290,7 @@ def test_a_call_by_set_and_one_in_a_path_are_refused_too(tmp_path: Path) -> None
         dp.Task.load(write(tmp_path), ['index.call="os:system"', 'index.command="true"'])
 
 
-def test_a_suite_is_refused_as_a_whole(tmp_path: Path) -> None:
+def test_a_suite_is_refused_as_a_whole(tmp_path: Path, run: Run) -> None:
     task = write(tmp_path, index='{call: "my_code:press"}')
     suite = tmp_path / "suite.yaml"
     for text, field in {
@@ -306,11 +303,14 @@ def test_a_suite_is_refused_as_a_whole(tmp_path: Path) -> None:
         assert field in done.stderr and "--allow-code" in done.stderr
 
 
-def test_the_workers_of_a_suite_run_what_is_allowed(mine: Path) -> None:
+def test_the_workers_of_a_suite_run_what_is_allowed(mine: Path, run: Run) -> None:
     task = write(mine, index='{call: "my_code:press"}')
     suite = mine / "suite.yaml"
     suite.write_text(f"{{tasks: [{task}], methods: [local]}}")
-    done = run("bench", suite, "--allow-code", "--out", "out", cwd=mine)
+    done = subprocess.run(
+        [sys.executable, "-m", "dualarm_pin", "bench", suite, "--allow-code", "--out", "out"],
+        cwd=mine, capture_output=True, text=True, timeout=LONG, check=False,
+    )  # fmt: skip
     assert "1 ok" in done.stdout, done.stdout + done.stderr
     first = run("bench", suite, "--allow-code", "--out", "out", "--resume", cwd=mine)
     assert "1 ok" in first.stdout
@@ -349,7 +349,7 @@ def test_a_mistake_names_file_line_and_field(mine: Path, index: str, message: st
     ],
 )  # fmt: skip
 def test_a_mistake_while_planning_is_one_message(
-    mine: Path, key: str, call: str, message: str
+    mine: Path, key: str, call: str, message: str, run: Run
 ) -> None:
     file = write(mine, **{key: f'{{call: "my_code:{call}"}}'})
     done = run("solve", file, "--allow-code", "--effort", "quick", cwd=mine)
@@ -368,7 +368,7 @@ def test_two_modules_of_one_name_are_told_apart(mine: Path) -> None:
         dp.Task.load(write(other, index='{call: "my_code:press"}'), allow_code=True)
 
 
-def test_a_result_keeps_its_call_and_asks_again(mine: Path) -> None:
+def test_a_result_keeps_its_call_and_asks_again(mine: Path, run: Run) -> None:
     file = write(mine, index='{call: "my_code:press"}', method='{call: "my_code:stepwise"}')
     done = run("solve", file, "--allow-code", "--out", "r", cwd=mine)
     assert done.returncode == 0, done.stderr

@@ -27,7 +27,7 @@ FLOORS = [
     {"rows", "indices", "clearance"},
     {"chain", "solution"},
     {"cell", "path"},
-    {"relative", "meshes"},
+    {"relatives", "relative", "meshes"},
     {"robot"},
     {"files", "arrays"},
     {"errors", "tolerance", "progress", "cpp_messages", "__init__"},

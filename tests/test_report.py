@@ -116,20 +116,24 @@ def test_the_page_draws_what_the_check_found():
 
 def test_hulls_that_touch_are_no_collision_where_the_meshes_are_apart(monkeypatch):
     """Page, summary and result say the same: the meshes decide, and nothing is measured again."""
-    hull, exact = pair().clearance(answer().q[0]), 0.02
+    hull, exact = pair().pairs[3], 0.02
     asked = []
 
-    def clearance(cell, q, *, between_arms=False, exact=False):
-        asked.append(exact)
-        return hull._replace(distance=0.02 if exact else -0.01)
+    def distances(cell, q):
+        return np.where(np.arange(len(cell.pairs)) == 3, -0.01, 1.0)
 
-    monkeypatch.setattr(Cell, "clearance", clearance)
+    def distance(cell, q, number, *, exact=False):
+        asked.append(exact)
+        return 0.02 if exact else float(distances(cell, q)[number])
+
+    monkeypatch.setattr(Cell, "distances", distances)
+    monkeypatch.setattr(Cell, "distance", distance)
     touched = verified(task(), answer().q, method="global", solver="engine")
     assert touched.min_clearance == exact
     asked.clear()
     head = head_of(page_of(touched))
     text = cells(head, "Result", "smallest clearance")[0]
-    assert text == f"0.02 m\n{hull.first} - {hull.second}"
+    assert text == f"0.02 m\n{hull[0]} - {hull[1]}"
     assert "COLLISION" not in summary(task(), touched)
     assert not asked
 

@@ -30,6 +30,7 @@ def held(folder: Path) -> dict[str, bytes]:
     return {file.name: file.read_bytes() for file in folder.iterdir()}
 
 
+@pytest.mark.slow
 def test_random_signals_leave_the_old_result_or_the_new_one() -> None:
     """A few moments of the long run of `benchmarks/interrupt.py`."""
     script = [str(BENCHMARKS / "interrupt.py"), "--moments", "20", "--commands", "solve", "view"]

@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from dualarm_pin.answer.apart import check_apart
+from dualarm_pin.answer.distances import distances_along
 from dualarm_pin.answer.evidence import Evidence
 from dualarm_pin.answer.provenance import Timing, versions
-from dualarm_pin.answer.trajectory import Checked, Distances, RowValues, Trajectory
+from dualarm_pin.answer.trajectory import Checked, RowValues, Trajectory
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError, ShapeError
-from dualarm_pin.reference import coupling, index_value, reported_value
-from dualarm_pin.relative import Relative
+from dualarm_pin.reference import coupling, index_values
+from dualarm_pin.relatives import Relatives
 from dualarm_pin.tolerance import TOLERANCE, Tolerance
 
 if TYPE_CHECKING:
@@ -100,20 +101,25 @@ def verify(
     if measured is not None:
         apart, everywhere, arms = measured
     elif clearance:
-        everywhere, arms = (distances_along(task, q, between_arms=b) for b in (False, True))
+        everywhere, arms = distances_along(cell, np.asarray(q))
     bounds = (cell.lower, cell.upper)
-    figures = np.zeros((5, path.h))
-    for i, q_i in enumerate(q):
-        relative = Relative(cell, q_i)
-        placed = relative.T_e1_e2
-        figures[:, i] = (
-            reported_value(task.index, relative, path.u[i], q_i, bounds),
-            index_value(task.index, relative, path.u[i], q_i, bounds),
-            np.linalg.norm(placed.translation - path.position[i]),
-            _rotation_distance(path.rotation[i], placed.rotation, path.rows[i], path.spin_axis),
-            np.linalg.svd(relative.J_r, compute_uv=False)[-1],
-        )
-    index, minimised, position_error, rotation_error, singular_value = figures
+    relatives = Relatives(cell, q)
+    index, minimised = (
+        index_values(task.index, relatives, path.u, bounds, reported=reported)
+        for reported in (True, False)
+    )
+    position_error = np.linalg.norm(relatives.translation - path.position, axis=1)
+    rotation_error = np.array(
+        [
+            _rotation_distance(wanted, given, rows, path.spin_axis)
+            for wanted, given, rows in zip(
+                path.rotation, relatives.rotation, path.rows, strict=True
+            )
+        ]
+    )
+    singular_value: Array = np.asarray(
+        np.linalg.svd(relatives.J_r, compute_uv=False)[:, -1], dtype=np.float64
+    )
     objective = float(np.sum(minimised)) + coupling(task.problem(), q)[0]
     violation = np.maximum(np.maximum(cell.lower - q, q - cell.upper).max(axis=1), 0.0)
     rows = []
@@ -143,26 +149,6 @@ def verify(
         rows=tuple(rows),
         smoothing_error=float(np.max(np.abs(minimised - index), initial=0.0)),
         apart=apart,
-    )
-
-
-def distances_along(task: Task, q: Array, *, between_arms: bool = False) -> Distances | None:
-    """Return the smallest distance at joints q (m, n), or None where it is not known.
-
-    Convex hulls are compared first; they never say more than there is. Where they touch, the
-    meshes themselves decide.
-    """
-    nearest = []
-    for q_i in q:
-        clearance = task.cell.clearance(q_i, between_arms=between_arms)
-        if clearance is not None and clearance.distance <= 0.0:
-            clearance = task.cell.clearance(q_i, between_arms=between_arms, exact=True)
-        if clearance is None:
-            return None
-        nearest.append(clearance)
-    return Distances(
-        np.array([each.distance for each in nearest]),
-        tuple((each.first, each.second) for each in nearest),
     )
 
 

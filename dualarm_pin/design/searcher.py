@@ -24,7 +24,7 @@ from dualarm_pin.planners.whole_path import plan_global
 if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
-_GIVES_WAY = 5  # niceness of the searching process
+_GIVES_WAY = 10  # niceness of the searching process
 _PATIENCE = 5.0  # s for it to end when told to
 # Not `multiprocessing`, which would run the user's script again in the process.
 _PROGRAM = (

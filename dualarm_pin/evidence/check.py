@@ -31,7 +31,10 @@ RETURNS = 20
 SHIFTS = (0.2, 0.1, 0.05, 0.02)
 _FAR = 1e-2  # of the objective: a nearby start that stays above by more has left for elsewhere
 _LEAST_RETURNS, _ITERATIONS = 5, 25  # fewer say nothing; what one of them takes as a rule
-_POLISH = 0.3  # s that one polish may take, as `search.work.Work` counts them
+_POLISH = 0.3  # s that one polish may take, as `search.work.Work` counts them ...
+_POLISH_SHARE = 5.0  # ... or this many times what the starts of a shift may
+_POLISH_ITERATIONS = (40, 400)  # on a thousand points some three hundred are needed
+_SKIPPED = 4.0  # fewest starts that cost this many times what they may are not made
 _MOST_ADOPTIONS = 5  # the paper's best path needs none; a search that needs more goes on for long
 
 
@@ -51,12 +54,14 @@ def check_minimum(
     Returns:
         The polished path (k, n), or a better one that a nearby start led to; its check.
     """
-    q, settled = _polished(problem, q)
-    best = problem.objective(q)
+    q, settled = _polished(problem, q, max(_POLISH, _POLISH_SHARE * work))
     each = Work(problem).seconds(_ITERATIONS * problem.k)
     count = max(_LEAST_RETURNS, min(RETURNS, int(work / each)))
-    if not settled and count * each > work:  # a long path that is no minimum: nothing returns to it
-        return q, _local(problem, q, None, nan, 0, curved=False)
+    if count * each > work * (_SKIPPED if settled else 1.0):
+        # A long path: to one that is no minimum nothing returns, and where starts cost so much
+        # they are left to an effort that has more.
+        return q, _local(problem, q, None, nan, 0, curved=settled)
+    best = problem.objective(q)
     adopted = 0
     while True:
         radius, share, better = _returns(problem, q, best, seed + adopted, jobs, count)
@@ -104,17 +109,22 @@ def polished(problem: Problem, q: Array) -> Array:
     return _polished(problem, q)[0]
 
 
-def _polished(problem: Problem, q: Array) -> tuple[Array, bool]:
-    """Return `polished`, and whether the solver came to an end there."""
-    iterations = int(_POLISH / Work(problem).seconds(problem.k))
-    for tolerance in (TOLERANCE.polish, TOLERANCE.search):  # round-off may bar the first
-        options = near(tolerance)
-        options = replace(options, iterations=max(40, min(options.iterations, iterations)))
+def _polished(problem: Problem, q: Array, work: float = _POLISH) -> tuple[Array, bool]:
+    """Return `polished`, and whether the solver came to an end there.
+
+    `work` is what it may cost, in seconds as `search.work.Work` counts them.
+    """
+    least, most = _POLISH_ITERATIONS
+    iterations = max(least, min(most, int(work / Work(problem).seconds(problem.k))))
+    settled = False
+    for tolerance in (TOLERANCE.search, TOLERANCE.polish):  # round-off may bar the second
+        options = replace(near(tolerance), iterations=iterations)
         end = engine.solve(problem, q, options=options)
         same_level = end.objective <= problem.objective(q) + TOLERANCE.same_objective
-        if end.converged and end.feasible and same_level:
-            return end.q, True
-    return q, False
+        if not (end.converged and end.feasible and same_level):
+            break
+        q, settled = end.q, True
+    return q, settled
 
 
 def near(tolerance: float, mu0: float = 1e-4) -> Options:

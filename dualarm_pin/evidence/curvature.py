@@ -9,11 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from dualarm_pin.arrays import Array
-from dualarm_pin.evidence.kkt import Stationarity, active_rows
+from dualarm_pin.arrays import Array, Integers
+from dualarm_pin.evidence.kkt import Stationarity
 from dualarm_pin.problem import Problem
-from dualarm_pin.reference import point_gradient
-from dualarm_pin.relative import Relative
+from dualarm_pin.reference import further_slopes, point_gradients
+from dualarm_pin.relatives import Relatives
+from dualarm_pin.rows.pose import pose_pulls
 from dualarm_pin.tolerance import TOLERANCE
 
 _RESOLVED = 1e-12  # of the size of the matrix: where rounding leaves no more
@@ -31,8 +32,10 @@ def curvature_min(problem: Problem, q: Array, first: Stationarity) -> tuple[floa
     """
     bases = [_free_directions(first, i) for i in range(problem.k)]
     curved = [
-        _point_curvature(problem, q, first, i, basis) + _link_curvature(problem, q, i) @ basis
-        for i, basis in enumerate(bases)
+        product + _link_curvature(problem, q, i) @ basis
+        for i, (product, basis) in enumerate(
+            zip(_point_curvatures(problem, q, first, bases), bases, strict=True)
+        )
     ]
     sizes = [basis.shape[1] for basis in bases]
     total = sum(sizes)
@@ -86,21 +89,35 @@ def _free_directions(first: Stationarity, i: int) -> Array:
     return basis
 
 
-def _point_curvature(
-    problem: Problem, q: Array, first: Stationarity, i: int, basis: Array
-) -> Array:
-    """Return the Hessian of a_i c + y_i . g_i at point i times `basis` (n, d), rows as in L."""
+def _point_curvatures(
+    problem: Problem, q: Array, first: Stationarity, bases: list[Array]
+) -> list[Array]:
+    """Return the Hessian of a_i c + y_i . g_i at each point i times its basis (n, d_i)."""
+    products = [np.zeros_like(basis) for basis in bases]
+    for column in range(max(basis.shape[1] for basis in bases)):
+        points = np.array([i for i, basis in enumerate(bases) if basis.shape[1] > column])
+        move = _DIFFERENCE * np.array([bases[i][:, column] for i in points])
+        ahead, behind = (_slopes(problem, points, q[points] + s * move, first) for s in (1.0, -1.0))
+        for i, slope in zip(points, (ahead - behind) / (2.0 * _DIFFERENCE), strict=True):
+            products[i][:, column] = slope
+    return products
 
-    def slope(at: Array) -> Array:
-        relative = Relative(problem.cell, at)
-        J = active_rows(problem, i, relative, first.active_rows[i])[1]
-        return point_gradient(problem, i, relative)[1] + J.T @ first.row_multipliers[i]
 
-    product = np.zeros_like(basis)
-    for column, direction in enumerate(basis.T):
-        ahead, behind = slope(q[i] + _DIFFERENCE * direction), slope(q[i] - _DIFFERENCE * direction)
-        product[:, column] = (ahead - behind) / (2.0 * _DIFFERENCE)
-    return product
+def _slopes(problem: Problem, points: Integers, q: Array, first: Stationarity) -> Array:
+    """Return the gradients of a_i c + y_i . g_i at points i (s,) in postures q (s, n)."""
+    relatives, data = Relatives(problem.cell, q), problem.points
+    y = np.zeros((len(points), 6))
+    for number, i in enumerate(points):
+        rows = data.pose_rows[i]
+        y[number, :rows] = first.row_multipliers[i][:rows]
+    slopes = point_gradients(problem, points, relatives)[1]
+    pose_rows, rotation = data.pose_rows[points], data.rotation[points]
+    slopes += pose_pulls(relatives, rotation, pose_rows, problem.spin_axis, y)
+    for number, i in enumerate(points):
+        more = first.row_multipliers[i][data.pose_rows[i] :]
+        if len(more):
+            slopes[number] += more @ further_slopes(problem, i, q[number], first.active_rows[i])
+    return slopes
 
 
 def _link_block(weight: float, metric: Array, step: Array) -> Array:

@@ -71,11 +71,12 @@ def stationarity(problem: Problem, q: Array) -> Stationarity:
     bound = np.zeros_like(q)
     for i, q_i in enumerate(q):
         relative = Relative(problem.cell, q_i)
-        gap, _ = inequalities(problem, i, relative)
+        gap, slopes = inequalities(problem, i, relative)
         held = np.flatnonzero(gap <= TOLERANCE.active)
-        g, J = active_rows(problem, i, relative, held)
+        equal, J = equalities(problem, i, relative)
+        if len(held):
+            J = np.vstack([J, slopes[held]])
         y, z, left = _multipliers(gradient[i], J, active[i], len(held))
-        equal = g[: len(g) - len(held)]
         below = float(np.max(-gap, initial=0.0))
         residual = max(residual, float(np.max(np.abs(equal))), below)
         error = max(error, float(np.max(np.abs(left), initial=0.0)))
@@ -84,15 +85,6 @@ def stationarity(problem: Problem, q: Array) -> Stationarity:
         multipliers.append(y)
         jacobians.append(J)
     return Stationarity(objective, residual, error, active, rows, multipliers, bound, jacobians)
-
-
-def active_rows(
-    problem: Problem, i: int, relative: Relative, held: NDArray[np.int64]
-) -> tuple[Array, Array]:
-    """Return the equality rows and the inequality rows `held` of point i, and their Jacobian."""
-    values, jacobian = equalities(problem, i, relative)
-    gap, slopes = inequalities(problem, i, relative)
-    return np.append(values, gap[held]), np.vstack([jacobian, slopes[held]])
 
 
 def _multipliers(

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from dualarm_pin.answer.distances import distances_along
 from dualarm_pin.answer.trajectory import Trajectory
-from dualarm_pin.answer.verify import distances_along
 from dualarm_pin.arrays import Array
 from dualarm_pin.errors import InputError
 from dualarm_pin.motion.constant_feed import constant_feed
@@ -72,10 +72,7 @@ def _motion(
     if torques.known:
         torque = torques.moving(motion.q, motion.velocity, motion.acceleration)
         torque = torque + torques.pressing(motion.q, curve.relative.direction(motion.place))
-    everywhere, arms = (
-        distances_along(curve.task, curve.at(curve.grid), between_arms=between)
-        for between in (False, True)
-    )
+    everywhere, arms = distances_along(curve.task.cell, curve.at(curve.grid))
     uses = _limit_uses(limits, use, spec.feed if "feed" in use.share else None)
     summary = MotionSummary(
         duration=schedule.duration,

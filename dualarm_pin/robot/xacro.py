@@ -2,20 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
 
 from dualarm_pin.errors import InputError, MissingExtraError
-from dualarm_pin.robot.packages import find_package
-from dualarm_pin.robot.xacro_expressions import harmless
+from dualarm_pin.robot.xacro_child import TOO_MUCH
+
+SECONDS = 20  # of processor time; a robot with hundreds of macros takes one
+MEMORY = 2 * 1024**3  # bytes, those of the libraries included
+_WAIT = 300.0  # seconds: a process that waits spends none of its processor time
+# The child imports from where this process does: its folder may hold anything.
+_CHILD = """\
+import json, sys
+sys.path[:] = json.loads(sys.argv[1])
+from dualarm_pin.robot.xacro_child import main
+main()
+"""
 
 
 def expand_xacro(
     file: Path, arguments: Mapping[str, str | bool | float], package_dirs: Sequence[Path]
 ) -> bytes:
-    """Return the URDF text that a xacro file expands to.
+    """Return the URDF text that a xacro file expands to, in a process of its own.
 
     Args:
         file: The xacro file.
@@ -24,47 +36,42 @@ def expand_xacro(
 
     Raises:
         MissingExtraError: xacrodoc is not installed.
-        InputError: The file cannot be expanded, or an expression in it is more than arithmetic.
+        InputError: The file cannot be expanded, or not in reasonable time and memory, or an
+            expression in it is more than arithmetic.
     """
     try:
-        import xacrodoc
+        import xacrodoc  # noqa: F401
     except ImportError as error:
         raise MissingExtraError(
             f"{file}: xacro files need xacrodoc: pip install 'dualarm-pin[xacro]', or expand the "
             "file with `xacro in.xacro -o out.urdf`"
         ) from error
-    given = {key: _text(value) for key, value in arguments.items()}
+    asked = {
+        "file": str(file.absolute()),
+        "arguments": {key: _text(value) for key, value in arguments.items()},
+        "package_dirs": [str(folder.absolute()) for folder in package_dirs],
+        "seconds": SECONDS,
+        "memory": MEMORY,
+    }
     try:
-        module = xacrodoc.xacrodoc
-        with (
-            _packages_of(xacrodoc, file, package_dirs),
-            harmless(module.xacro, module.substitution_args),
-        ):
-            doc = xacrodoc.XacroDoc.from_file(str(file), subargs=given, resolve_packages=False)
-            return str(doc.to_urdf_string(use_protocols=True)).encode()
-    except Exception as error:  # xacro raises its own kinds, and whatever an expression raises
-        raise InputError(f"xacro cannot expand this file: {_reason(error)}", file=file) from error
-
-
-@contextmanager
-def _packages_of(xacrodoc: Any, file: Path, package_dirs: Sequence[Path]) -> Iterator[None]:
-    """Let `$(find ...)` find packages by our own rule, not by the environment."""
-    substitution = xacrodoc.xacrodoc.substitution_args
-    before = substitution._eval_find
-    substitution._eval_find = lambda name: str(find_package(name, file.parent, package_dirs))
-    try:
-        yield
-    finally:
-        substitution._eval_find = before
-
-
-def _reason(error: BaseException) -> str:
-    """Return the first line of what xacro says, or our own message inside of it."""
-    inner = error
-    while isinstance(getattr(inner, "exc", None), Exception):
-        inner = inner.exc  # type: ignore[attr-defined]
-    text = str(inner if isinstance(inner, InputError) else error).strip()
-    return text.splitlines()[0] if text else type(error).__name__
+        done = subprocess.run(
+            [sys.executable, "-P", "-c", _CHILD, json.dumps([*map(os.path.abspath, sys.path)])],
+            input=json.dumps(asked).encode(),
+            capture_output=True,
+            timeout=_WAIT,
+            check=False,
+        )
+        said = json.loads(done.stdout)
+    except (subprocess.TimeoutExpired, ValueError):  # ended by its limits, in the middle of a word
+        said = {"error": TOO_MUCH}
+    if said.get("error") == TOO_MUCH:
+        said["error"] = (
+            f"it takes more than {SECONDS} s of processor time or {MEMORY >> 30} GB: does a macro "
+            "call itself, or is a text doubled without end?"
+        )
+    if "error" in said:
+        raise InputError(f"xacro cannot expand this file: {said['error']}", file=file)
+    return str(said["urdf"]).encode()
 
 
 def _text(value: str | bool | float) -> str:

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from dualarm_pin.arrays import Array
+from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.relative import Relative
+from dualarm_pin.relatives import Relatives
 
 
 def pose_residual(
@@ -40,6 +41,29 @@ def pose_residual(
     return np.concatenate([linear, angular]), jacobian
 
 
+def pose_pulls(
+    relatives: Relatives, rotation: Array, rows: Integers, spin_axis: Array, y: Array
+) -> Array:
+    """Return y . dg/dq (s, n) of the rows g of `pose_residual` at several q.
+
+    Args:
+        relatives: The pair of arms at s q.
+        rotation: Wanted rotations (s, 3, 3).
+        rows: 6, 5 or 3 (s,).
+        spin_axis: Unit axis in e2 (3,).
+        y: (s, 6) multipliers; those beyond a point's rows do not count.
+    """
+    weight = np.zeros((len(y), 6))
+    weight[:, :3] = y[:, :3]
+    error = rotation.transpose(0, 2, 1) @ relatives.rotation
+    whole, spin = rows == 6, rows == 5
+    q = _quaternions(error[whole])
+    weight[whole, 3:] = q[:, :1] * y[whole, 3:] + np.cross(q[:, 1:], y[whole, 3:])
+    weight[spin, 3:] = _axis_pulls(error[spin], spin_axis, y[spin, 3:5])
+    weight[:, 3:] = np.einsum("sij,sj->si", rotation, weight[:, 3:])
+    return np.asarray(np.einsum("si,sin->sn", weight, relatives.J_r))
+
+
 def _quaternion_error(error: Array) -> tuple[Array, Array]:
     """Return 2 vec(e) of a rotation and its derivative for a turn in the wanted frame."""
     w, x, y, z = _quaternion(error)
@@ -64,6 +88,26 @@ def _quaternion(R: Array) -> tuple[float, float, float, float]:
         q[1 + k] = R[i, k] + R[k, i]
     q /= np.sqrt(q @ q) * (1.0 if q[0] >= 0 else -1.0)
     return float(q[0]), float(q[1]), float(q[2]), float(q[3])
+
+
+def _quaternions(R: Array) -> Array:
+    """Return (w, x, y, z) with w >= 0 of rotations (s, 3, 3), as (s, 4)."""
+    trace = np.trace(R, axis1=1, axis2=2)
+    twice = R[:, (2, 0, 1), (1, 2, 0)] - R[:, (1, 2, 0), (2, 0, 1)]
+    q = np.column_stack([1.0 + trace, twice])
+    for i in np.flatnonzero(trace <= 0.0):  # far from no rotation, where that loses digits
+        q[i] = _quaternion(R[i])
+    return np.asarray(q / np.linalg.norm(q, axis=1, keepdims=True))
+
+
+def _axis_pulls(error: Array, axis: Array, y: Array) -> Array:
+    """Return y (s, 2) times the derivative of `_axis_error` at rotations (s, 3, 3), as (s, 3)."""
+    normals = np.linalg.svd(axis[None])[2][1:]
+    tilted = error @ axis
+    half = np.sqrt(np.maximum(0.5 + 0.5 * tilted @ axis, 1e-12))[:, None]
+    along = np.sum(tilted @ normals.T / half * y, axis=1, keepdims=True)
+    turned = np.cross(tilted, y @ normals) / half
+    return np.asarray(turned - np.cross(tilted, axis) * along / (4.0 * half**2))
 
 
 def _axis_error(error: Array, axis: Array) -> tuple[Array, Array]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,6 +13,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.clearance.nearest import nearest_along
+from dualarm_pin.clearance.rule import UNSAID
 from dualarm_pin.errors import ShapeError
 from dualarm_pin.meshes.triangles import triangles_of
 from dualarm_pin.path import Path
@@ -82,12 +83,15 @@ class Scene:
         return described
 
     def _near(self, task: Task, trajectory: Trajectory) -> dict[str, Any] | None:
-        """Return what is nearest along the motion; None where no two bodies can be compared."""
+        """Return what is nearest along the motion; None where no two bodies can be compared.
+
+        Bodies in each other are seen where nothing is asked too.
+        """
         cell, asked = task.cell, asked_of(task)
         if cell.missing_meshes or trajectory.checked.clearance is None or len(trajectory.q) < 2:
             return None
-        required = asked.required if asked.any else np.zeros(len(cell.pairs))
-        found = nearest_along(cell, trajectory.q, required)
+        shown = asked if asked.any else asked_of(replace(task, clearance=UNSAID))
+        found = nearest_along(cell, trajectory.q, shown.required)
         if found is None:
             return None
         numbers, which = np.unique(found.pair, return_inverse=True)
@@ -107,7 +111,7 @@ class Scene:
                 }
                 for k in map(int, numbers)
             ],
-            "lacking": [list(bodies) for bodies in found.lacking] if asked.any else [],
+            "lacking": [list(bodies) for bodies in found.lacking],
         }
 
     def pack(self) -> bytes:

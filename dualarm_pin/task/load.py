@@ -74,6 +74,7 @@ def parts_of_task(
             "placement": load_placement(spec.placement, cell),
             "name": source.path.stem,
             "record": record,
+            "source": source,
             "Gamma": _Gamma(spec.two_stage.Gamma, path),
         }
         for key, given in (("from_posture", spec.from_posture), ("to_posture", spec.to_posture)):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path as FilePath
 from typing import Any, Literal
@@ -17,6 +18,7 @@ from dualarm_pin.cell import Cell
 from dualarm_pin.clearance.rule import UNSAID, ClearanceRule
 from dualarm_pin.errors import InputError, ShapeError
 from dualarm_pin.files.numbers import MOST_POINTS
+from dualarm_pin.files.source import Source
 from dualarm_pin.indices import Index
 from dualarm_pin.path import Path
 from dualarm_pin.path.gamma import choose_Gamma
@@ -57,6 +59,7 @@ class Task:
         to_posture: Joints at the last point (n,), if they are given.
         name: Name for tables.
         record: The content of a complete task file, if the task came from one.
+        source: The file that it came from, for messages that name its lines.
     """
 
     cell: Cell
@@ -78,6 +81,7 @@ class Task:
     to_posture: Array | None = None
     name: str = "task"
     record: Mapping[str, Any] | None = None
+    source: Source | None = None
 
     def __post_init__(self) -> None:
         h, n = self.path.h, self.cell.n
@@ -145,12 +149,12 @@ class Task:
             InputError: They do not rise from the first to the last point.
         """
         h = self.path.h
-        if (self.Gamma[0], self.Gamma[-1]) != (0, h - 1) or np.any(np.diff(self.Gamma) < 1):
-            raise InputError(
-                f"expected increasing points from 1 to {h}, both among them; "
-                f"given {[point + 1 for point in self.Gamma]}",
-                field="two_stage.Gamma",
-            )
+        if (self.Gamma[0], self.Gamma[-1]) == (0, h - 1) and np.all(np.diff(self.Gamma) > 0):
+            return
+        given = [point + 1 for point in self.Gamma]
+        message = f"expected increasing points from 1 to {h}, both among them; given {given}"
+        with self.source.blamed() if self.source is not None else nullcontext():
+            raise InputError(message, field="two_stage.Gamma")
 
     def problem(self) -> Problem:
         """Return the problem over all points of the path (eq. 19)."""

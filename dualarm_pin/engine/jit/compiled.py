@@ -7,6 +7,7 @@ folder is read-only numba writes to the user's cache folder by itself.
 
 from __future__ import annotations
 
+import gc
 import hashlib
 import inspect
 from collections.abc import Callable, Iterator
@@ -20,6 +21,9 @@ from numba.core import codegen
 from numba.core.compiler_lock import global_compiler_lock
 
 F = TypeVar("F", bound=Callable[..., Any])
+_OURS: set[str] = set()
+"""Names of the functions that only other compiled functions of ours call."""
+_OBJECTS = 100_000  # between two looks for garbage, not 700: a compilation makes millions
 _RECORDS = (
     "chain.py",
     *(f"problem/{name}.py" for name in ("bounds", "links", "points", "terms")),
@@ -47,6 +51,7 @@ def compiled(function: F) -> F:
         no_cfunc_wrapper=True,
         _nrt=False,
     )(function)
+    _OURS.add(function.__qualname__)
     return jitted
 
 
@@ -100,13 +105,15 @@ def c_function(function: Callable[..., Any], signature: Any) -> Any:
 
 @contextmanager
 def _only_the_entry(name: str) -> Iterator[None]:
-    """Optimise and assemble the entry alone: what it calls is part of it and never runs by itself.
+    """Link, optimise and assemble the entry alone: what it calls never runs by itself.
 
-    numba does both for each of the hundred functions below it, each with all that it calls: half of
-    the time. The three methods are numba's own; where they are missing it goes on as usual.
+    numba does all three for each of the hundred functions below it, each with all that it calls:
+    more than half of the time. The methods are numba's own; where one is missing it goes on as
+    usual. Garbage is looked for less often: nearly all of what a compilation makes is in use.
     """
     library, generator = codegen.CPUCodeLibrary, codegen.JITCPUCodegen
     places = (
+        (library, "finalize"),
         (library, "_optimize_final_module"),
         (library, "_finalize_final_module"),
         (generator, "set_env"),
@@ -114,7 +121,15 @@ def _only_the_entry(name: str) -> Iterator[None]:
     if not all(hasattr(*place) for place in places):
         yield
         return
-    optimise, assemble, set_env = (getattr(*place) for place in places)
+    finalize, optimise, assemble, set_env = (getattr(*place) for place in places)
+
+    def link_into_entry(self: Any) -> None:
+        if self.name == name:
+            self._linking_libraries = list(_below(self, {}))
+        if self.name == name or self.name not in _OURS:
+            finalize(self)
+        else:
+            self._finalized = True
 
     def optimise_entry(self: Any) -> None:
         if self.name == name:
@@ -130,14 +145,26 @@ def _only_the_entry(name: str) -> Iterator[None]:
         if self._engine.is_symbol_defined(env_name):
             set_env(self, env_name, env)
 
-    ours = (optimise_entry, assemble_entry, set_env_of_entry)
+    ours = (link_into_entry, optimise_entry, assemble_entry, set_env_of_entry)
+    thresholds = gc.get_threshold()
+    gc.set_threshold(_OBJECTS, *thresholds[1:])
     for place, method in zip(places, ours, strict=True):
         setattr(*place, method)
     try:
         yield
     finally:
-        for place, method in zip(places, (optimise, assemble, set_env), strict=True):
+        for place, method in zip(places, (finalize, optimise, assemble, set_env), strict=True):
             setattr(*place, method)
+        gc.set_threshold(*thresholds)
+
+
+def _below(library: Any, found: dict[Any, None]) -> dict[Any, None]:
+    """Return the libraries of all functions below one, each once."""
+    for each in library._linking_libraries:
+        if each not in found:
+            found[each] = None
+            _below(each, found)
+    return found
 
 
 @compiled

@@ -2,12 +2,14 @@
 // One request is in flight at a time; meanwhile only the newest state waits. window.dualarm.design:
 //   set(change)    move: {"base2.x": 0.1, ...} from where the cell stood [m, rad]; then commit()
 //   commit()       end of a change: the full search runs, and `undo` comes back to before it
-//   undo() idle()  idle: a promise, done when nothing is asked and no search runs
+//   undo() redo() idle()  idle: a promise, done when nothing is asked and no search runs
 //   shown          what stands in the panels; `ages`: ms from each pose to its picture
+//   late           answers that were not shown, because a newer pose waited and they were too old
+DA.oldest = 150; // ms; a pose older than this is not shown while newer ones come
 DA.Design = class {
   constructor(player, head) {
     const task = head.design;
-    Object.assign(this, { player, head, task, history: [], variants: [], ages: [], shown: null });
+    Object.assign(this, { player, head, task, history: [], future: [], variants: [], ages: [], late: 0, behind: 0, drawing: 20, shown: null });
     this.state = { change: {}, smoothness: task.smoothness, clearance: null, limits: {} };
     for (const name of task.parameters) this.state.change[name] = 0;
     this.view = player.on_stage[0];
@@ -84,14 +86,29 @@ DA.Design = class {
   commit() {
     const before = this.before;
     this.before = null;
-    if (before && JSON.stringify(before.state) !== JSON.stringify(this.state)) this.history.push(before);
+    if (before && JSON.stringify(before.state) !== JSON.stringify(this.state)) this.past(before);
     this.mark();
     this.ask({ search: true });
   }
 
+  // What lies behind can be undone; what was undone before it is gone.
+  past(before) {
+    this.history.push(before);
+    this.future = [];
+  }
+
   undo() {
-    const last = this.history.pop();
-    if (last) this.restore(last);
+    this.step(this.history, this.future);
+  }
+
+  redo() {
+    this.step(this.future, this.history);
+  }
+
+  step(from, to) {
+    if (!from.length) return;
+    to.push({ state: structuredClone(this.state), motion: this.motion });
+    this.restore(from.pop());
   }
 
   restore({ state, motion }) {
@@ -129,13 +146,24 @@ DA.Design = class {
       while (this.waiting) {
         const { at, ...wish } = this.waiting, state = structuredClone(this.state);
         this.waiting = null;
-        this.show(await this.post("/move", { state, ...wish }), state, at);
+        const bytes = await this.post("/move", { state, ...wish });
+        // While more is moved, what would be seen too late is not drawn: the next is on its way.
+        const late = this.waiting && performance.now() - at + this.drawing > DA.oldest;
+        this.behind = late ? this.behind + 1 : 0;
+        if (late) this.overtaken();
+        else this.show(bytes, state, at);
       }
       if (this.shown.searching) this.later = setTimeout(() => this.lookAgain(), 100);
     } catch (error) {
       this.fail(error);
     }
     this.busy = false;
+  }
+
+  overtaken() {
+    this.late += 1;
+    this.drawing *= 0.8; // or one slow picture would keep all that follow away
+    if (this.behind > 3) this.tell();
   }
 
   async lookAgain() {
@@ -180,8 +208,16 @@ DA.Design = class {
     player.stage.element.classList.toggle("stale", !head.valid);
     player.seek(player.t);
     this.placeGizmo();
-    if (asked !== null) requestAnimationFrame(() => this.ages.push(performance.now() - asked));
+    if (asked !== null) this.seen(asked, performance.now());
     this.tell();
+  }
+
+  // The picture is drawn in the next frame, and out when the one after that begins.
+  seen(asked, from) {
+    requestAnimationFrame(() => requestAnimationFrame(() => {
+      this.ages.push(performance.now() - asked);
+      this.drawing = Math.min(0.8 * this.drawing + 0.2 * (performance.now() - from), DA.oldest / 2);
+    }));
   }
 
   // Base, tool and workpiece where the shown motion has them.
@@ -220,10 +256,11 @@ DA.Design = class {
     canvas.addEventListener("keyup", () => this.before && this.commit());
     canvas.addEventListener("blur", () => this.before && !this.gizmo.held && this.commit());
     document.addEventListener("keydown", (event) => {
-      if ((event.ctrlKey || event.metaKey) && !event.shiftKey && event.key.toLowerCase() === "z" && !event.target.matches("input[type=text]")) {
-        event.preventDefault();
-        this.undo();
-      }
+      const key = event.key.toLowerCase(), again = key === "y" || (key === "z" && event.shiftKey);
+      if (!(event.ctrlKey || event.metaKey) || event.altKey || !(again || key === "z") || event.target.matches("input[type=text]")) return;
+      event.preventDefault();
+      if (again) this.redo();
+      else this.undo();
     });
   }
 };

@@ -19,6 +19,7 @@ Object.assign(DA.Design.prototype, {
     this.bars = n("div", { class: "ranges" });
     this.list = n("ol", { class: "variants" });
     this.undoButton = n("button", { type: "button", onclick: () => this.undo(), title: "Ctrl+Z" }, "Undo");
+    this.redoButton = n("button", { type: "button", onclick: () => this.redo(), title: "Ctrl+Shift+Z or Ctrl+Y" }, "Redo");
     this.keepButton = n("button", { type: "button", onclick: () => this.keep() }, "Keep");
     this.saveButton = n("button", { type: "button", onclick: () => this.save() }, "Save");
     this.name = n("input", { type: "text", maxlength: 60, value: "variant 1", "aria-label": "Name of the variant" });
@@ -26,7 +27,7 @@ Object.assign(DA.Design.prototype, {
     const part = (title, ...inside) => n("section", {}, n("h2", {}, title), ...inside);
     this.desk.append(
       this.status, this.objective, this.basin, this.evidence,
-      n("div", { class: "modes" }, this.undoButton, this.saveButton), this.saved,
+      n("div", { class: "modes" }, this.undoButton, this.redoButton, this.saveButton), this.saved,
       part("Place", this.buildPlace()),
       part("Asked", ...this.buildAsked()),
       part("Index along the path", this.chartBox, n("p", { class: "note" }, n("i", { style: `background:${DA.colour(0)}` }), "now ", n("i", { style: `background:${DA.colour(6)}` }), "at the start")),
@@ -144,12 +145,12 @@ Object.assign(DA.Design.prototype, {
     }
     for (const update of this.updates) update();
     this.undoButton.disabled = !this.history.length;
+    this.redoButton.disabled = !this.future.length;
   },
 
   // What came back: in the panels.
   tell() {
     const { shown, start } = this, n = DA.h;
-    this.undoButton.disabled = !this.history.length;
     if (this.broken || !shown) {
       this.status.textContent = this.broken || "…";
       this.status.dataset.kind = "bad";
@@ -157,7 +158,7 @@ Object.assign(DA.Design.prototype, {
     }
     const { found } = shown, sure = Boolean(found && found.found && shown.valid), short = shown.near && shown.near.lacking;
     this.status.dataset.kind = sure ? "found" : shown.valid ? "follows" : "bad";
-    this.status.textContent = sure ? `Found and checked${shown.searching ? "; still searching" : ""}` : shown.valid ? `Best motion known${short ? ", nearer than required" : ""}; ${shown.searching ? "searching" : "not searched here"}` : `No motion here${shown.searching ? " yet" : ""}: ${shown.why}. Grey: the last valid motion.`;
+    this.status.textContent = sure ? `Found and checked${shown.searching ? "; still searching" : ""}` : shown.valid ? `Best motion known${short ? ", nearer than required" : ""}${this.behind > 3 ? ", falls behind what is moved" : ""}; ${shown.searching ? "searching" : "not searched here"}` : `No motion here${shown.searching ? " yet" : ""}: ${shown.why}. Grey: the last valid motion.`;
     const by = shown.objective - start.objective, share = (100 * by) / Math.abs(start.objective || 1);
     const sign = (v, digits) => `${Number(v.toFixed(digits)) < 0 ? "−" : "+"}${Math.abs(v).toFixed(digits)}`;
     this.objective.replaceChildren(n("b", {}, shown.valid ? shown.objective.toFixed(4) : "–"), n("span", {}, shown.valid ? ` objective; ${sign(by, 4)} (${sign(share, 1)} %) since the start` : " objective"));
@@ -169,14 +170,25 @@ Object.assign(DA.Design.prototype, {
       this.near.textContent = `${distance.toFixed(3)} m at point ${point}: ${names.join(" – ")}; ${required === null ? "no distance is asked for" : `required ${required.toFixed(3)} m`}${short ? (distance < 0 ? "; they collide" : "; too near") : ""}`;
       this.near.classList.toggle("short", Boolean(short));
     } else this.near.textContent = "–";
-    const series = this.chart.spec.series[0];
-    series.values = shown.valid ? Array.from(this.view.index) : [];
-    this.chart.draw();
-    this.tellRanges();
     this.tellSlopes(sure ? found.slopes : null);
+    this.tellFigures();
     this.saveButton.disabled = !sure;
     this.saveButton.title = sure ? `Writes cell, task and result into ${this.task.folder}` : "When the search has found a motion here";
     this.keepButton.disabled = !shown.valid;
+  },
+
+  // Chart and ranges cost more than the picture: while something is moved, five times a second.
+  tellFigures() {
+    clearTimeout(this.figures);
+    const now = performance.now(), left = (this.drawn || 0) + 200 - now;
+    if (this.before && left > 0) {
+      this.figures = setTimeout(() => this.tellFigures(), left);
+      return;
+    }
+    this.drawn = now;
+    this.chart.spec.series[0].values = this.shown.valid ? Array.from(this.view.index) : [];
+    this.chart.draw();
+    this.tellRanges();
   },
 
   tellRanges() {
@@ -224,7 +236,7 @@ Object.assign(DA.Design.prototype, {
     this.list.replaceChildren(...this.variants.map((variant) => n("li", {},
       n("span", { class: "name", title: this.where(variant.state) }, variant.name),
       n("small", { title: variant.found ? "found and checked" : "the best known when it was kept" }, `${variant.objective.toFixed(4)}${variant.found ? "" : " ?"}`),
-      n("button", { type: "button", onclick: () => { this.begin(); this.history.push(this.before); this.restore(variant); } }, "Restore"),
+      n("button", { type: "button", onclick: () => { this.begin(); this.past(this.before); this.restore(variant); } }, "Restore"),
       n("button", { type: "button", "aria-label": `Forget ${variant.name}`, onclick: () => { this.variants.splice(this.variants.indexOf(variant), 1); this.tellVariants(); } }, "×"))));
   },
 

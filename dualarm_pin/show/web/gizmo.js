@@ -11,8 +11,7 @@ DA.Gizmo = class {
     const colours = { x: "#e0484a", y: "#35a852", z: "#3b7be8", yaw: "#e8a13b" };
     for (const name of ["x", "y", "z"]) {
       const arrow = DA.arrow(size, colours[name]);
-      // A thick, unseen rod around the arrow is what fingers hit.
-      const rod = new T.Mesh(new T.CylinderGeometry(size * 0.1, size * 0.1, size * 0.85, 8), this.unseen());
+      const rod = this.unseen(new T.CylinderGeometry(size * 0.1, size * 0.1, size * 0.85, 8));
       rod.position.y = size * 0.62;
       arrow.add(rod);
       arrow.rotation.set(...turns[name]);
@@ -20,7 +19,7 @@ DA.Gizmo = class {
     }
     const ring = new T.Group(), round = size * 0.62;
     ring.add(new T.Mesh(new T.TorusGeometry(round, size * 0.02, 8, 64), new T.MeshBasicMaterial({ color: colours.yaw })));
-    ring.add(new T.Mesh(new T.TorusGeometry(round, size * 0.075, 6, 32), this.unseen()));
+    ring.add(this.unseen(new T.TorusGeometry(round, size * 0.075, 6, 32)));
     this.part("yaw", ring);
     this.caster = new T.Raycaster();
     // On the element around the canvas and before it: the camera's controls listen on the canvas.
@@ -31,8 +30,11 @@ DA.Gizmo = class {
     for (const end of ["pointerup", "pointercancel"]) around.addEventListener(end, (event) => this.up(event), true);
   }
 
-  unseen() {
-    return new MeshCat.THREE.MeshBasicMaterial({ transparent: true, opacity: 0, depthWrite: false });
+  // What fingers hit: a ray finds it, though it is not drawn.
+  unseen(geometry) {
+    const mesh = new MeshCat.THREE.Mesh(geometry, new MeshCat.THREE.MeshBasicMaterial());
+    mesh.visible = false;
+    return mesh;
   }
 
   part(name, group) {
@@ -117,6 +119,7 @@ DA.Gizmo = class {
     this.held = { id: event.pointerId, part, frame, from, last: start, turned: 0 };
     this.stage.element.setPointerCapture?.(event.pointerId);
     this.stage.viewer.controls.enabled = false;
+    this.stage.held = true;
     this.lit(part);
     this.stage.element.style.cursor = "grabbing";
     this.on.begin();
@@ -141,6 +144,7 @@ DA.Gizmo = class {
     event.stopPropagation();
     this.held = null;
     this.stage.viewer.controls.enabled = true;
+    this.stage.held = false;
     this.lit(null);
     this.stage.element.style.cursor = "";
     this.on.end();

@@ -1,5 +1,5 @@
 // The two bodies that are nearest: a line between them with its length; bodies that are nearer than
-// what is asked for turn magenta, the colour of no robot. The places come with the page; between two
+// what is asked for, or in each other, turn magenta, the colour of no robot. The places come with the page; between two
 // of them the line follows the bodies.
 DA.Nearest = class {
   constructor(head, run, robot, reach) {

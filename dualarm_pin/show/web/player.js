@@ -65,6 +65,7 @@ DA.Player = class {
     head.materials = new Map();
     head.geometries = head.meshes.map((mesh) => DA.geometry(head, mesh));
     this.stage = new DA.Stage(this.canvas);
+    if (this.stage.software) head.geometries.forEach(DA.rough);
     this.stage.viewer.render = () => this.render();
     this.stage.resized = () => this.place();
     this.frameCell();

@@ -17,7 +17,8 @@ DA.geometry = function (head, mesh) {
   for (let v = 1; v < start.length; v++) start[v] += start[v - 1];
   const around = new Uint32Array(3 * count), next = start.slice();
   for (let k = 0; k < 3 * count; k++) around[next[faces[k]]++] = Math.floor(k / 3);
-  const position = new Float32Array(9 * count), smooth = new Float32Array(9 * count);
+  // Corners that share place and normal are one vertex: without a graphics card vertices cost most.
+  const position = [], smooth = [], index = new Uint32Array(3 * count), made = Array.from({ length: x.length / 3 }, () => []);
   const length = (f) => Math.hypot(normals[3 * f], normals[3 * f + 1], normals[3 * f + 2]) || 1e-30;
   for (let k = 0; k < 3 * count; k++) {
     const f = Math.floor(k / 3), v = faces[k], size = length(f), n = [0, 0, 0];
@@ -27,15 +28,47 @@ DA.geometry = function (head, mesh) {
       if (dot > 0.8 * size * length(g)) for (let j = 0; j < 3; j++) n[j] += normals[3 * g + j];
     }
     const whole = Math.hypot(n[0], n[1], n[2]) || 1;
-    for (let j = 0; j < 3; j++) {
-      position[3 * k + j] = x[3 * v + j];
-      smooth[3 * k + j] = n[j] / whole;
-    }
+    for (let j = 0; j < 3; j++) n[j] /= whole;
+    const same = made[v].find((m) => smooth[3 * m] * n[0] + smooth[3 * m + 1] * n[1] + smooth[3 * m + 2] * n[2] > 0.9995);
+    index[k] = same ?? position.length / 3;
+    if (same !== undefined) continue;
+    made[v].push(index[k]);
+    position.push(x[3 * v], x[3 * v + 1], x[3 * v + 2]);
+    smooth.push(...n);
   }
   const geometry = new T.BufferGeometry();
-  geometry.setAttribute("position", new T.BufferAttribute(position, 3));
-  geometry.setAttribute("normal", new T.BufferAttribute(smooth, 3));
+  geometry.setAttribute("position", new T.Float32BufferAttribute(position, 3));
+  geometry.setAttribute("normal", new T.Float32BufferAttribute(smooth, 3));
+  geometry.setIndex(new T.BufferAttribute(index, 1));
   return geometry;
+};
+
+// A rough stand-in for motion without a graphics card: corners in one box of a grid, that face the
+// same way, are one. Each of the two knows the other.
+DA.rough = function (geometry) {
+  const T = MeshCat.THREE, { position, normal } = geometry.attributes, faces = geometry.index.array;
+  if (faces.length < 3 * 300) return;
+  geometry.computeBoundingBox();
+  const box = geometry.boundingBox, step = box.getSize(new T.Vector3()).length() / 14, first = new Map(), kept = [];
+  const into = Array.from({ length: position.count }, (_, k) => {
+    const at = [0, 1, 2].map((j) => Math.floor((position.array[3 * k + j] - box.min.getComponent(j)) / step));
+    const side = [0, 1, 2].reduce((bits, j) => 2 * bits + Number(normal.array[3 * k + j] > 0), 0);
+    const key = ((at[0] * 64 + at[1]) * 64 + at[2]) * 8 + side;
+    if (!first.has(key)) first.set(key, k);
+    return first.get(key);
+  });
+  for (let f = 0; f < faces.length; f += 3) {
+    const [a, b, c] = [into[faces[f]], into[faces[f + 1]], into[faces[f + 2]]];
+    if (a !== b && b !== c && c !== a) kept.push(a, b, c);
+  }
+  const rough = new T.BufferGeometry();
+  const used = [...new Set(kept)], number = new Map(used.map((v, k) => [v, k]));
+  const pick = (array) => used.flatMap((v) => [array[3 * v], array[3 * v + 1], array[3 * v + 2]]);
+  rough.setAttribute("position", new T.Float32BufferAttribute(pick(position.array), 3));
+  rough.setAttribute("normal", new T.Float32BufferAttribute(pick(normal.array), 3));
+  rough.setIndex(kept.map((v) => number.get(v)));
+  geometry.userData.rough = rough;
+  rough.userData.fine = geometry;
 };
 
 DA.place = function (object, placed) {

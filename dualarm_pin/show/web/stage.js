@@ -28,9 +28,13 @@ DA.Stage = class {
     if (this.fine === fine) return;
     this.fine = fine;
     const ratio = Math.min(window.devicePixelRatio || 1, 2);
-    this.viewer.renderer.setPixelRatio(fine ? (this.software ? Math.max(ratio, 1.6) : ratio) : this.coarse ? 0.5 : 0.7);
+    this.viewer.renderer.setPixelRatio(fine ? (this.software ? Math.max(ratio, 1.6) : ratio) : this.coarse || this.held ? 0.5 : 0.7);
     this.key.castShadow = fine;
     if (this.ground) this.ground.visible = fine;
+    this.world.traverse((mesh) => {
+      const { rough, fine: whole } = mesh.isMesh ? mesh.geometry.userData : {};
+      if (fine ? whole : rough) mesh.geometry = fine ? whole : rough;
+    });
     this.draw();
   }
 
