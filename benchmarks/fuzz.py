@@ -60,7 +60,7 @@ PAGES: list[Pages] = []
 """The pages of a design server, made once: forked processes have them as they were."""
 SECONDS = 10.0  # of processor time of one case
 BLOCKED = 60.0  # wall time of one case: only what waits for ever takes so long
-MEMORY = 2 * 1024**3  # bytes of address space of the process that runs it, libraries included
+MEMORY = 2 * 1024**3  # bytes of address space beyond what the process begins with
 AGAIN = 500  # cases after which a process gives way to a fresh one
 MOST_VERIFIED = 200  # points; longer paths are loaded and not checked
 LOCAL = LocalCheck(12.7, 1e-12, 1e-9, 0.01, 98, 0.28, 88, 0.2, 0.2, 1.0, 0, {"arm1/elbow": 2.0})
@@ -231,7 +231,8 @@ def work(cases: list[tuple[str, int]], sound: Path, pipe: Connection) -> None:
     """Run cases one after the other; tell which one begins and how it ended."""
     batch._run = never
     sys.stdout = io.StringIO()
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    most = MEMORY + _address_space()
+    resource.setrlimit(resource.RLIMIT_AS, (most, most))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     for kind, seed in cases:
         pipe.send(("begins", kind, seed, ""))
@@ -241,6 +242,12 @@ def work(cases: list[tuple[str, int]], sound: Path, pipe: Connection) -> None:
         except UnicodeEncodeError as error:
             status, message = "failed", f"a message cannot be printed: {error}"
         pipe.send((status, kind, seed, message))
+
+
+def _address_space() -> int:
+    """Return the bytes that this process has mapped: libraries reserve more than they use."""
+    file = Path("/proc/self/statm")
+    return int(file.read_text().split()[0]) * resource.getpagesize() if file.exists() else MEMORY
 
 
 class Worker:

@@ -53,7 +53,7 @@ COMMANDS: dict[str, tuple[int, Callable[[Path], list[str]]]] = {
 """How often each is taken, and its arguments in a folder that `prepare` has filled."""
 RATED = {"acceleration_deg_s2": dict.fromkeys(["shoulder", "elbow"], 90)}
 SUITE = {"tasks": ["task.yaml"], "methods": ["local"], "seeds": 1, "time_limit": 60}
-PATIENCE = 120.0  # seconds until a command that was told to end has hung
+PATIENCE = 600.0  # seconds until a command that was told to end has hung, on a busy machine too
 
 
 def run(arguments: list[str], folder: Path, delay: float | None, number: int) -> tuple[int, float]:

@@ -16,6 +16,7 @@ from pathlib import Path
 
 from dualarm_pin.answer.folder import save_result
 from dualarm_pin.answer.trajectory import Trajectory
+from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.errors import DualArmError
 from dualarm_pin.files.numbers import check_counts
 from dualarm_pin.files.resources import urdf_folder
@@ -30,6 +31,7 @@ from dualarm_pin.search.workers import Workers
 from dualarm_pin.task import Task
 
 PAPER_MEANS = {"two-stage": 1.17, "pseudo-inverse": 1.52}
+CLEAR = "whole path, clearance 0.05"
 RANDOM_STARTS = 3  # the red, green and magenta curves of the paper's Fig. 5
 
 
@@ -56,11 +58,17 @@ class Reproduction:
 
     Attributes:
         task: The paper's task.
+        clear: The same with a clearance, which one of the trajectories keeps.
         trajectories: By label, in the order of the table.
     """
 
     task: Task
+    clear: Task
     trajectories: dict[str, Trajectory]
+
+    def task_of(self, label: str) -> Task:
+        """Return the task that a trajectory answers."""
+        return self.clear if label == CLEAR else self.task
 
     def rows(self) -> list[tuple[str, ...]]:
         """Return the table: the head, then one row a trajectory."""
@@ -120,7 +128,7 @@ def reproduce(
     progress.line(f"whole path at once: mean c {whole.mean_index:.4f}")
     clear = Task.load(urdf_folder() / "tasks" / "paper_corner_clear.yaml")
     apart = plan_global(clear, effort="quick", seed=seed, jobs=jobs, progress=progress)
-    trajectories["whole path, clearance 0.05"] = apart
+    trajectories[CLEAR] = apart
     progress.line(f"with clearance: mean c {apart.mean_index:.4f}")
     for variant in ("free", "clamped", "qp"):
         trajectories[f"pseudo-inverse, {variant}"] = plan_local(
@@ -136,7 +144,7 @@ def reproduce(
         trajectories[f"pseudo-inverse, free, random {number}"] = plan_local(
             task, q_first, variant="free", seed=seed, progress=progress
         )
-    return Reproduction(task, trajectories)
+    return Reproduction(task, clear, trajectories)
 
 
 def write(reproduction: Reproduction, folder: Path) -> list[Path]:
@@ -154,7 +162,9 @@ def write(reproduction: Reproduction, folder: Path) -> list[Path]:
     write_text(folder / "table.txt", reproduction.table() + "\n")
     for label, trajectory in trajectories.items():
         save_result(
-            folder / "results" / label.replace(", ", "-").replace(" ", "-"), task, trajectory
+            folder / "results" / label.replace(", ", "-").replace(" ", "-"),
+            reproduction.task_of(label),
+            trajectory,
         )
 
     written = [folder / "table.txt", folder / "table.csv"]
@@ -199,6 +209,13 @@ def notes(reproduction: Reproduction) -> list[str]:
         lines.append(
             "pseudo-inverse, free, has no joint limits: it leaves the bounds by "
             f"{math.degrees(free.max_bound_violation):.1f} deg"
+        )
+    lowered = asked_of(reproduction.clear).lowered
+    if lowered:
+        pairs = "; ".join(f"{one} and {two} ({most:.3f} m)" for (one, two), most in lowered)
+        lines.append(
+            f"{CLEAR}: of links that are nowhere so far apart it is asked that they do not touch, "
+            f"{pairs} at most"
         )
     lost = [label for label, t in reproduction.trajectories.items() if not t.found]
     if lost:

@@ -40,16 +40,6 @@ def fake(name, label, **options):
     return json.dumps(entry)
 
 
-def bench(*arguments):
-    return subprocess.run(
-        [*BENCH, *map(str, arguments)],
-        capture_output=True,
-        text=True,
-        timeout=LONG,
-        check=False,
-    )
-
-
 def rows_in(log):
     return log.read_bytes().count(b"\n") if log.exists() else 0
 
@@ -68,7 +58,7 @@ def serial(file):
     return [(run, perform(run)) for run in runs]
 
 
-def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_path):
+def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_path, run):
     file = write_suite(
         tmp_path,
         [
@@ -82,7 +72,7 @@ def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_pa
         more="gates: [{gate: mean_index <= 1.06, method: good}]\n",
     )
     out = tmp_path / "out"
-    done = bench(file, "--out", out, "--jobs", 2)
+    done = run("bench", "--allow-code", file, "--out", out, "--jobs", 2, cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     rows = {row["method"]: row for row in table(out)}
     assert {name: row["status"] for name, row in rows.items()} == {
@@ -102,10 +92,10 @@ def test_failed_crashed_and_timed_out_runs_are_rows_and_the_batch_goes_on(tmp_pa
     best = load_trajectory(out / "best" / "paper_corner")
     assert best.objective == rows["good"]["objective"]
 
-    again = bench(file, "--out", out)
+    again = run("bench", "--allow-code", file, "--out", out, cwd=tmp_path)
     assert again.returncode == 2 and "add --resume to continue it" in again.stderr
     before = (out / "rows.jsonl").read_bytes()
-    resumed = bench(file, "--out", out, "--resume")
+    resumed = run("bench", "--allow-code", file, "--out", out, "--resume", cwd=tmp_path)
     assert resumed.returncode == 0
     assert (out / "rows.jsonl").read_bytes() == before
 
@@ -120,24 +110,33 @@ def test_a_run_that_kills_its_workers_is_set_aside_and_takes_no_other_along(tmp_
     assert "worker processes that died" in batch.rows[0]["reason"]
 
 
-def test_a_gate_that_does_not_hold_is_exit_code_1_and_a_bad_suite_2(tmp_path):
+def test_a_gate_that_does_not_hold_is_exit_code_1_and_a_bad_suite_2(tmp_path, run):
     file = write_suite(tmp_path, [fake("quick", "good")], 1, "gates: [mean_index <= 1.0]\n")
-    done = bench(file, "--out", tmp_path / "out", "--jobs", 1)
+    done = run("bench", "--allow-code", file, "--out", "out", "--jobs", 1, cwd=tmp_path)
     assert done.returncode == 1
     assert "gate FAILED: mean_index <= 1.0" in done.stdout
     assert "1 of 1 runs do not hold it, the worst has 1.05" in done.stderr
     file.write_text("tasks: [x.yaml]\nmethods: [local]\n")
-    done = bench(file, "--out", tmp_path / "other")
+    done = run("bench", "--allow-code", file, "--out", "other", cwd=tmp_path)
     assert done.returncode == 2
     assert done.stderr.startswith(f"dualarm-pin: {file}:1: tasks.0: this file does not exist")
     assert not (tmp_path / "other").exists()
 
 
-def test_keep_all_and_none(tmp_path):
+@pytest.fixture(scope="module")
+def one_worker():
+    """Give the address of a cluster for batches to which it does not matter where they run."""
+    from dualarm_pin.bench.work.cluster import workers
+
+    with workers(1, None) as client:
+        yield client.scheduler.address
+
+
+def test_keep_all_and_none(tmp_path, one_worker):
     for keep, folders in (("all", {"best", "runs"}), ("none", set())):
         file = write_suite(tmp_path, [fake("quick", "a/b <c>")], 2, f"keep: {keep}\n")
         out = tmp_path / keep
-        run_suite(Suite.load(file, allow_code=True), out, jobs=1)
+        run_suite(Suite.load(file, allow_code=True), out, address=one_worker)
         assert {p.name for p in out.iterdir() if p.is_dir()} == folders
         if keep == "all":
             kept = [load_trajectory(folder) for folder in (out / "runs").iterdir()]
@@ -168,13 +167,12 @@ def test_a_row_that_no_run_left_is_refused(tmp_path, field, value):
         run_suite(suite, log.parent, resume=True)
 
 
-def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path):
+def test_rows_of_another_suite_stay_but_are_not_in_the_table(tmp_path, one_worker):
     out = tmp_path / "out"
-    run_suite(
-        Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3), allow_code=True), out, jobs=1
-    )
+    first = Suite.load(write_suite(tmp_path, [fake("quick", "a")], 3), allow_code=True)
+    run_suite(first, out, address=one_worker)
     renamed = Suite.load(write_suite(tmp_path, [fake("quick", "new name")], 2), allow_code=True)
-    batch = run_suite(renamed, out, resume=True)
+    batch = run_suite(renamed, out, address=one_worker, resume=True)
     assert batch.done_before == 2
     assert [(row["method"], row["seed"]) for row in batch.rows] == [
         ("new name", 0),

@@ -6,6 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from browser import opened
+from drag import SPOT, drag
 from paper_case import task
 
 from dualarm_pin.design.server import Pages
@@ -16,13 +17,6 @@ from dualarm_pin.task.moved import moved_task
 
 pytestmark = pytest.mark.browser
 
-# Where a part of the gizmo is on the screen: near its end, where nothing else is hit first.
-SPOT = """(part) => { const d = dualarm.design, g = d.gizmo, T = MeshCat.THREE, s = g.size;
-  g.stage.viewer.camera.updateMatrixWorld();
-  const p = {x: [.9*s,0,0], y: [0,.9*s,0], z: [0,0,.9*s], yaw: [-.438*s,.438*s,0]}[part];
-  const v = new T.Vector3(...p).applyMatrix4(g.group.matrixWorld).project(g.stage.viewer.camera);
-  const b = g.stage.viewer.renderer.domElement.getBoundingClientRect();
-  return [b.left + (v.x + 1) / 2 * b.width, b.top + (1 - v.y) / 2 * b.height]; }"""
 CHANGE = {"base2.x": -0.12, "base2.y": 0.05, "base2.z": 0.04, "base2.yaw": 0.1} | {
     "workpiece.x": 0.02, "workpiece.yaw": 0.1, "tool2.length": 0.03,
 }  # fmt: skip
@@ -30,7 +24,8 @@ CHANGE = {"base2.x": -0.12, "base2.y": 0.05, "base2.z": 0.04, "base2.yaw": 0.1} 
 
 @pytest.fixture(scope="module")
 def pages(tmp_path_factory):
-    return Pages(task(), tmp_path_factory.mktemp("saved"))
+    with Pages(task(), tmp_path_factory.mktemp("saved")) as pages:
+        yield pages
 
 
 @pytest.fixture(scope="module")
@@ -157,6 +152,15 @@ def test_keys_shift_and_turn_and_undo(view):
     view.do("dualarm.design.idle()")
     assert not any(state(view)["change"].values())
     assert shown(view, "objective") == pytest.approx(12.730887, abs=1e-4)
+    press("Control+Shift+z")
+    press("Control+y")
+    view.do("dualarm.design.idle()")
+    assert state(view)["change"]["base2.x"] == pytest.approx(-0.02)
+    view.page.click("#desk button:text-is('Redo')")
+    assert state(view)["change"]["base2.y"] == pytest.approx(0.001)
+    view.do("dualarm.player.canvas.focus()")
+    press("ArrowRight")  # another way on: what was undone is gone
+    assert view.page.is_disabled("#desk button:text-is('Redo')")
 
 
 def test_numbers_and_sliders_are_followed_and_undone(view):
@@ -190,6 +194,41 @@ def test_an_impossible_place_greys_the_motion_and_says_why_until_it_is_left(view
     view.page.click("#desk button:text-is('Undo')")
     view.do("dualarm.design.idle()")
     assert not view.do("dualarm.player.stage.element.classList.contains('stale')")
+
+
+def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stands_grey(view):
+    view.do("dualarm.design.set({'base2.x': -0.4})")  # no commit: it is still held
+    view.page.wait_for_function(
+        "dualarm.design.shown.state.change['base2.x'] === -0.4 && !dualarm.design.busy"
+    )
+    cell = moved_task(task(), {"base2.x": -0.4}).cell
+    q = np.array(view.do("Array.from(dualarm.design.view.q)")).reshape(31, 12)
+    near, distances = shown(view, "near"), [cell.distances(q_i) for q_i in q]
+    least = np.min(np.array(distances)[:, cell.apart_by_nature])
+    assert near["distance"] == pytest.approx(least, abs=1e-6)
+    assert f"{least:.3f} m at point" in view.page.inner_text("#desk .near")
+    view.do("dualarm.design.set({'base2.x': 4.0})")
+    view.page.wait_for_function("!dualarm.design.shown.valid")
+    assert view.do("dualarm.player.stage.element.classList.contains('stale')")
+    assert "No motion here" in view.page.inner_text("#desk .state")
+    assert view.do("Array.from(dualarm.design.view.q)") == q.ravel().tolist()
+    view.do("dualarm.design.set({'base2.x': -0.4})")
+    view.page.wait_for_function("dualarm.design.shown.valid")
+    assert not view.do("dualarm.player.stage.element.classList.contains('stale')")
+    view.do("dualarm.design.commit()")
+
+
+def test_what_would_be_seen_too_late_is_not_drawn(view):
+    view.do("dualarm.design.late = 0")
+    seen = drag(view, seconds=2.0)
+    late = view.do("dualarm.design.late")
+    assert len(seen.ages) + late > 5
+    view.do("(DA.oldest = 0, 0)")  # everything is too late now
+    none = drag(view, seconds=1.0)
+    assert len(none.ages) <= 1
+    assert view.do("dualarm.design.late") > late
+    assert shown(view, "state.change['base2.x']") == state(view)["change"]["base2.x"]
+    view.do("(DA.oldest = 150, 0)")
 
 
 def test_variants_are_kept_restored_and_saved(view, pages):

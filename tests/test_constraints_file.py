@@ -128,7 +128,7 @@ WRONG = {
         "[{joint_range: {joint: arm1/joint_5, deg: [0, 1], points: [99]}}]",
         "point 99 does not exist: the path has points 1 to 31",
     ),
-    "not a list": ("{above: 1}", "constraints: Input should be a valid list"),
+    "not a list": ("{above: 1}", "constraints: a list is expected"),
 }
 
 

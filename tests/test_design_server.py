@@ -17,6 +17,7 @@ from patience import LONG, wait_until
 
 from dualarm_pin.answer.folder import load_result
 from dualarm_pin.cell import Cell
+from dualarm_pin.design.searcher import Searcher
 from dualarm_pin.design.server import Pages
 from dualarm_pin.show import serving
 from dualarm_pin.task import Task
@@ -71,8 +72,10 @@ def unpacked(data):
 
 @contextmanager
 def served(folder, pages=1):
-    pages_of = Pages(task(), folder)
-    with serving(pages_of.open, 0, pages_of.talk) as address:
+    with (
+        Pages(task(), folder) as pages_of,
+        serving(pages_of.open, 0, pages_of.talk) as address,
+    ):
         opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
         for _ in range(pages):
             opener.open(address, timeout=LONG).read()
@@ -193,6 +196,27 @@ def test_a_wrong_message_is_one_sentence(client, path, message, status, said):
     assert answer[0] == status
     assert said in answer[1]
     assert client.move()[1]["valid"]
+
+
+def test_a_search_whose_process_is_ended_goes_on_here_and_nothing_is_left():
+    searcher = Searcher()
+    process = searcher._process
+    there = searcher.search(task())
+    assert there.trajectory.objective == pytest.approx(12.730887, abs=1e-4)
+    assert there.slopes["base2.x"] == pytest.approx(11.86098, abs=1e-3)
+    process.kill()
+    again = searcher.search(task())
+    assert again.trajectory.objective == there.trajectory.objective
+    searcher.close()
+    assert process.poll() is not None
+
+
+def test_what_goes_wrong_in_a_search_is_raised_where_it_was_asked_for():
+    searcher = Searcher()
+    with pytest.raises(AttributeError):
+        searcher.search(None)
+    assert searcher.search(task()).trajectory.found
+    searcher.close()
 
 
 @pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])

@@ -9,7 +9,7 @@ import pytest
 
 FOLDER = pathlib.Path(__file__).resolve().parents[1] / "notebooks"
 LESSONS = ["01_paper", "02_your_own_cell", "03_indices", "04_global_against_local",
-           "05_benchmarking"]  # fmt: skip
+           "05_benchmarking", "06_placement"]  # fmt: skip
 
 
 def notebook(name):

@@ -8,7 +8,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from dualarm_pin.paper import Reproduction, notes, reproduce, write
+from dualarm_pin.answer.folder import load_result
+from dualarm_pin.paper import CLEAR, Reproduction, notes, reproduce, write
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +41,23 @@ def test_the_pseudo_inverse_rises_through_the_fillet(reproduction: Reproduction)
     assert index[:13].max() < 0.5
     assert index[18] > 2.0
     assert any("leaves the bounds" in note for note in notes(reproduction))
+
+
+def test_the_row_with_a_clearance_is_kept_with_the_task_that_asks_for_it(
+    reproduction: Reproduction, tmp_path: Path
+) -> None:
+    apart = reproduction.trajectories[CLEAR].checked.apart
+    assert apart is not None
+    assert (apart.required, apart.kept, apart.level) == (0.05, True, "certified")
+    assert reproduction.trajectories["whole path"].checked.apart is None
+    write(reproduction, tmp_path)
+    task, again = load_result(tmp_path / "results" / "whole-path-clearance-0.05")
+    assert task.clearance is not None
+    assert task.clearance.distance == 0.05
+    assert again.found
+    assert load_result(tmp_path / "results" / "whole-path")[0].clearance is None
+    [note] = [note for note in notes(reproduction) if note.startswith(CLEAR)]
+    assert "arm1/link_4 and arm1/link_6 (0.034 m)" in note
 
 
 def test_every_file_is_written(reproduction: Reproduction, tmp_path: Path) -> None:

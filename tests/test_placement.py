@@ -10,10 +10,13 @@ import pytest
 from paper_case import TASK
 
 from dualarm_pin.answer.folder import load_result
+from dualarm_pin.clearance.asked import asked_of
 from dualarm_pin.errors import InputError
 from dualarm_pin.placement.asked import Area, asked
 from dualarm_pin.planners.placement import plan_placement
 from dualarm_pin.planners.placement_map import maps_around
+from dualarm_pin.planners.slide import slide
+from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.show.placement import save_placement
 from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.task import Task
@@ -120,3 +123,23 @@ def test_a_task_without_a_section_says_what_to_write(task):
         plan_placement(replace(task, placement=None))
     with pytest.raises(InputError, match="leave no place"):
         asked(task.cell, BOX, keep_out=(Area((1.0, 4.0), (-2.0, 2.0)),))
+
+
+def test_with_clearance_a_place_moves_on_and_its_bodies_stay_apart():
+    task = Task.load(TASK, ["clearance=0.05", *SECTION])
+    start = {"base2.x": -0.8, "base2.z": 0.3}
+    there = plan_global(moved_task(task, start), effort="quick", seed=0, jobs=1)
+    stand = slide(task, task.placement, start, there.q)
+    assert stand.path.objective < 0.7 * there.objective
+    assert -1.1 <= stand.change["base2.x"] <= 0.5
+    assert -0.5 <= stand.change["base2.z"] <= 0.5
+    required = asked_of(stand.task).required
+    assert np.sum(required == 0.05) > 50
+    for q in stand.path.q:  # measured by Coal where the bodies are then
+        lack = required - stand.task.cell.distances(q)
+        near = np.flatnonzero(lack > 5e-4)
+        assert all(
+            stand.task.cell.distance(q, int(k), exact=True) > required[k] - 5e-4 for k in near
+        )
+    value = stand.task.problem().objective(stand.path.q)
+    assert value == pytest.approx(stand.path.objective, rel=1e-8)

@@ -9,6 +9,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
+from paper_case import TASK
 
 import dualarm_pin.evidence.bound as bound_module
 from dualarm_pin.answer.folder import load_result, save_result
@@ -132,6 +133,17 @@ def test_the_answer_is_found_only_where_the_check_confirms_every_pair(task: Task
     assert answer.evidence.local is not None
     assert answer.evidence.local.minimum
     assert answer.evidence.verdict == "local_only"
+
+
+def test_where_bodies_must_not_touch_a_little_more_is_asked_of_the_search() -> None:
+    """Contact is never accepted: a dip between two postures of the repair would be refused."""
+    near = ["clearance=0", "cell.arms.arm2.base.xyz=[2.2, 0, 0]"]
+    answer = plan_global(Task.load(TASK, near), effort="quick", seed=0)
+    assert answer.found
+    assert answer.checked.apart is not None
+    assert answer.checked.apart.level == "certified"
+    assert answer.checked.apart.least_between is not None
+    assert 0.0 < answer.checked.apart.least_between < 1e-3
 
 
 def test_a_bound_without_clearance_stands_beside_the_answer_that_keeps_one(

@@ -2,7 +2,8 @@
 
 From frame to frame little moves. What a pair was last seen to keep, less what its bodies have moved
 against each other since, bounds it from below; so do capsules around the bodies. A pair is measured
-where the bounds leave open whether it is too near, or the nearest.
+where the bounds leave open whether it is too near, or the nearest. (How deep bodies are in each
+other is said only roughly, as Coal does; that they are is not.)
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from dualarm_pin.chain import Floats, Integers
 from dualarm_pin.engine import entries
 from dualarm_pin.engine.arrow_problem import arrow_problem
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, NOT_RUN, Settings
-from dualarm_pin.engine.room import widths, workspace_for
+from dualarm_pin.engine.room import own_window, widths, workspace_for
 from dualarm_pin.engine.workspace import Workspace
 from dualarm_pin.placement.shared import SharedProblem
 from dualarm_pin.problem import Problem
@@ -22,7 +22,7 @@ from dualarm_pin.tolerance import TOLERANCE
 _FEASIBLE = TOLERANCE.position / 10.0
 _CHUNKS_PER_JOB = 8  # small enough that no thread waits long for the slowest chunk
 _FEW = 64  # points in all: done in a few milliseconds
-_NO_LIMIT, _NO_SCALE = np.full(1, np.inf), np.zeros(0)
+_NO_LIMIT = np.full(1, np.inf)
 _NO_POINT = np.zeros(0, dtype=np.int64)
 
 
@@ -53,8 +53,10 @@ class Batch:
         settings: Settings,
         *,
         keep_multipliers: bool = False,
+        path: Problem | None = None,
+        first: Integers = _NO_POINT,
     ) -> None:
-        """Solve some rows in this thread."""
+        """Solve some rows in this thread; with `path`, each the window from its first point on."""
         posture = np.empty_like(problem.neighbours.posture)  # of this thread alone
         own = replace(problem, neighbours=problem.neighbours._replace(posture=posture))
         solve_items = entries.solve_items
@@ -72,23 +74,26 @@ class Batch:
             self.codes,
             self.values,
             self.limit,
-            problem,
+            path or problem,
+            first,
             _NO_POINT,
-            _NO_POINT,
-            _NO_SCALE,
+            np.full(len(first), float(self.linked)),
         )
 
     def run_over_threads(self, first: Integers, jobs: int, settings: Settings) -> None:
         """Solve all rows; Ctrl-C ends the batch after the starts that are running."""
-        k, scaled = self.q.shape[1], self.problem.scaled()
-        pieces: list[tuple[Problem, Integers]] = []
-        for point in np.unique(first):
-            window = scaled.window(int(point), k, linked=self.linked)
-            items = np.flatnonzero(first == point)
-            most = 1 if jobs == 1 else min(jobs * _CHUNKS_PER_JOB, len(items) * k // _FEW)
-            chunks = max(1, min(len(items), most))
-            pieces += [(window, chunk) for chunk in np.array_split(items, chunks)]
-        if len(self.q) * k <= _FEW:  # done sooner than threads are started
+        (s, k), scaled = self.q.shape[:2], self.problem.scaled()
+        most = 1 if jobs == 1 else min(jobs * _CHUNKS_PER_JOB, s * k // _FEW)
+        places = np.unique(first)
+        pieces: list[tuple[Problem, Integers, Integers]] = []
+        if len(places) <= 1 or (isinstance(scaled, SharedProblem) and k > 1):
+            for point in places:  # each a problem of its own, with its border
+                window = scaled.window(int(point), k, linked=self.linked)
+                items = np.flatnonzero(first == point)
+                pieces += [(window, _NO_POINT, part) for part in _parts(items, most)]
+        else:
+            pieces = [(scaled, first, part) for part in _parts(np.arange(s), most)]
+        if s * k <= _FEW or len(pieces) == 1:  # done sooner than threads are started
             for piece in pieces:
                 self._run_piece(*piece, settings)
             return
@@ -102,8 +107,14 @@ class Batch:
                 self.interrupt[0] = 1
                 wait(running)
 
-    def _run_piece(self, window: Problem, items: Integers, settings: Settings) -> None:
-        self.run(window, workspace_for(window), items, settings)
+    def _run_piece(
+        self, path: Problem, first: Integers, items: Integers, settings: Settings
+    ) -> None:
+        if not len(first):
+            self.run(path, workspace_for(path), items, settings)
+            return
+        window = own_window(path, self.q.shape[1])
+        self.run(window, workspace_for(window, path), items, settings, path=path, first=first)
 
     def result(self) -> Solutions:
         """Return the rows as they stand."""
@@ -122,6 +133,10 @@ class Batch:
             size=self.problem.size,
             interrupted=bool((status == NOT_RUN).any()),
         )
+
+
+def _parts(items: Integers, most: int) -> list[Integers]:
+    return np.array_split(items, max(1, min(len(items), most)))
 
 
 def usable_cores() -> int:

@@ -12,7 +12,7 @@ from dualarm_pin.engine.interior_point.barrier import add_barrier, start_slacks
 from dualarm_pin.engine.interior_point.line_search import merit_of
 from dualarm_pin.engine.interior_point.objective import all_derivatives, objective
 from dualarm_pin.engine.interior_point.solve_one import CONVERGED, Settings, solve_one
-from dualarm_pin.engine.interior_point.walk import LOST, take_step, visited
+from dualarm_pin.engine.interior_point.walk import LOST, take_step, take_window, visited
 from dualarm_pin.engine.jit import records  # noqa: F401  registers what compiled code reads
 from dualarm_pin.engine.jit.compiled import copy_rows, entry, source_stamp
 from dualarm_pin.engine.workspace import Scratch, Workspace
@@ -42,11 +42,12 @@ def _make_solve_items(stamp: int, name: str):  # type: ignore[no-untyped-def]
         """Solve some items of a batch, one after the other, until done or interrupted.
 
         Where anchors are given an item is a walk: its posture at the anchor is kept, every other
-        point is solved alone, linked to the one before it. Both have one loop, so that the solve
-        is compiled once.
+        point is solved alone, linked to the one before it. Where only first points are given an
+        item is a window of the path. All have one loop, so that the solve is compiled once.
 
         Args:
-            problem: The problem; its fixed neighbours are overwritten. For a walk, one point.
+            problem: The problem; its fixed neighbours are overwritten. For a walk, one point with
+                arrays of its own; for windows, one of them with arrays of its own.
             work: Room for one item, with the multipliers of a warm start.
             settings: For every item alike.
             keep_multipliers: Warm start.
@@ -59,13 +60,16 @@ def _make_solve_items(stamp: int, name: str):  # type: ignore[no-untyped-def]
             values: (batch, 4) filled: objective, residual, stationarity, mu; of a walk those of
                 the last point.
             limit: (batch,) objectives above which an item is dropped, or (1,) for all.
-            path: The problem of all points, for a walk.
-            first: (batch,) point of the path that the first point of a walk stands for.
+            path: The problem of all points, for walks and windows.
+            first: (batch,) point of the path that the first point of an item stands for, or (0,):
+                all items are of `problem` as it is.
             anchor: (batch,) point of an item whose posture is given, or (0,): no walk.
-            scale: (batch,) factors on the weight of the links while walking.
+            scale: (batch,) factors on the weight of the links while walking; of windows, on that
+                of the links that lead out of them, 0 or 1.
         """
         _ = stamp
         walking = anchor.shape[0] > 0
+        windows = not walking and first.shape[0] > 0
         solves = q.shape[1] - 1 if walking else 1
         for item in items:
             if interrupt[0] != 0:
@@ -84,6 +88,8 @@ def _make_solve_items(stamp: int, name: str):  # type: ignore[no-untyped-def]
                     i = visited(number, anchor[item], q.shape[1])
                     take_step(path, first[item], anchor[item], i, scale[item], q[item], problem)
                 else:
+                    if windows:
+                        take_window(path, first[item], scale[item], problem)
                     own = item if neighbours.shape[0] > 1 else 0
                     copy_rows(neighbours[own], problem.neighbours.posture)
                 copy_rows(q[item, i : i + work.at.q.shape[0]], work.at.q)

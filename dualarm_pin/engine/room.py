@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import threading
+from dataclasses import replace
+from typing import NamedTuple, TypeVar
 
 from dualarm_pin.arrays import checked
 from dualarm_pin.engine.jit.functions import INDEX, addresses, row_signatures
@@ -12,6 +14,7 @@ from dualarm_pin.problem import CALLED, Problem
 from dualarm_pin.rows import table
 from dualarm_pin.solution import Multipliers
 
+R = TypeVar("R", bound=NamedTuple)
 _ROOMS = threading.local()
 
 
@@ -32,6 +35,23 @@ def workspace_for(problem: Problem, path: Problem | None = None) -> Workspace:
         rooms[problem.k == 1] = shape, work
     set_calls(path or problem, work.scratch)
     return work
+
+
+def own_window(path: Problem, k: int) -> Problem:
+    """Return the first k points as a problem with arrays of its own: compiled code writes there."""
+    window = path.window(0, k)
+    return replace(
+        window,
+        points=_copied(window.points),
+        links=_copied(window.links),
+        neighbours=_copied(window.neighbours),
+        equalities=_copied(window.equalities),
+        inequalities=_copied(window.inequalities),
+    )
+
+
+def _copied(record: R) -> R:
+    return type(record)(*(array.copy() for array in record))
 
 
 def new_room(problem: Problem) -> Workspace:

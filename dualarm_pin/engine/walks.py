@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, replace
-from typing import NamedTuple, TypeVar
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -15,11 +14,10 @@ from dualarm_pin.engine import entries
 from dualarm_pin.engine.batch import usable_cores
 from dualarm_pin.engine.interior_point.walk import LOST
 from dualarm_pin.engine.options import Options
-from dualarm_pin.engine.room import workspace_for
+from dualarm_pin.engine.room import own_window, workspace_for
 from dualarm_pin.errors import InputError
 from dualarm_pin.problem import Problem
 
-R = TypeVar("R", bound=NamedTuple)
 STEP = Options(tolerance=1e-4, iterations=25, mu0=1e-3, push=1e-3)  # a walk is refined afterwards
 _CHUNKS_PER_JOB = 4
 _FEW = 200  # points in all: done sooner than threads are started
@@ -85,7 +83,7 @@ def walk_many(
     path, settings = problem.scaled(), (options or STEP).settings()
 
     def walk(items: Integers) -> None:
-        one = _own_point(path)
+        one = own_window(path, 1)
         entries.solve_items(
             one,
             workspace_for(one, path),
@@ -114,20 +112,3 @@ def walk_many(
             except KeyboardInterrupt:
                 interrupt[0] = 1
     return Walked(q, values[:, 1] <= LOST, int(codes[:, 1].sum()), bool(interrupt[0]))
-
-
-def _own_point(problem: Problem) -> Problem:
-    """Return the first point as a problem with arrays of its own: a walk overwrites them."""
-    one = problem.window(0, 1)
-    return replace(
-        one,
-        points=_copied(one.points),
-        links=_copied(one.links),
-        neighbours=_copied(one.neighbours),
-        equalities=_copied(one.equalities),
-        inequalities=_copied(one.inequalities),
-    )
-
-
-def _copied(record: R) -> R:
-    return type(record)(*(array.copy() for array in record))

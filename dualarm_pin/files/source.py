@@ -115,10 +115,12 @@ class Source:
     Attributes:
         path: The file.
         data: What it holds; ruamel's round-trip containers, which remember their lines.
+        changes: What was changed in it.
     """
 
     path: Path
     data: Any
+    changes: tuple[Change, ...] = ()
 
     @cached_property
     def values(self) -> Any:
@@ -130,7 +132,7 @@ class Source:
         data = self.data
         for change in changes:
             data = change.applied(data)
-        return Source(self.path, data)
+        return Source(self.path, data, (*self.changes, *changes))
 
     def line(self, keys: Sequence[Key]) -> int | None:
         """Return the line of the deepest part of `keys` that the file holds, from 1."""
@@ -146,10 +148,12 @@ class Source:
         return line
 
     def error(self, message: str, keys: Sequence[Key]) -> InputError:
-        """Return an error that names this file, the line and the field."""
-        return InputError(
-            message, file=self.path, line=self.line(keys), field=".".join(str(k) for k in keys)
-        )
+        """Return an error that names this file, the line or the change of it, and the field."""
+        field, line = ".".join(map(str, keys)), self.line(keys)
+        for change in self.changes:
+            if tuple(keys[: len(change.keys)]) == tuple(change.keys):
+                field, line = f"--set {change.text}: {field}", None
+        return InputError(message, file=self.path, line=line, field=field)
 
     @contextmanager
     def blamed(self) -> Iterator[None]:
@@ -299,6 +303,16 @@ def plain(data: Any) -> Any:
     return str(data)
 
 
+_EXPECTED = {  # in the words of a file, where pydantic has those of Python
+    **dict.fromkeys(("model_type", "dict_type"), "keys and values are expected"),
+    **dict.fromkeys(("tuple_type", "list_type"), "a list is expected"),
+    **dict.fromkeys(("float_type", "float_parsing"), "a number is expected"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), "a whole number is expected"),
+    **dict.fromkeys(("bool_type", "bool_parsing"), "true or false is expected"),
+    "string_type": "text is expected",
+}
+
+
 def _mistake(
     source: Source, spec: type[BaseModel], detail: Any, prefix: Sequence[Key]
 ) -> InputError:
@@ -319,7 +333,7 @@ def _mistake(
     elif kind == "missing":
         message = "this key is missing"
     else:
-        text = detail["msg"].removeprefix("Value error, ")
+        text = _EXPECTED.get(kind, detail["msg"].removeprefix("Value error, "))
         shown = repr(given) if len(repr(given)) < 80 else repr(given)[:77] + "..."
         message = text if kind == "value_error" else f"{text}; given {shown}"
     return source.error(message, keys)

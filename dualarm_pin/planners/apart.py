@@ -104,7 +104,7 @@ def plan_apart(
             answer = verified(task, free.whole(q), timing=clock.read(compile_s), **provenance)
             if answer.found:
                 held = held_problem(task, survey, path)
-                said = _said(apart, apart.hits(path))
+                said = _said(apart, apart.hits(path), effort)
                 evidence = local_evidence(held, q, said, free.constant)
                 answer = replace(answer, evidence=evidence, timing=clock.read(compile_s))
                 others = [candidate(other) for other in apart.found]
@@ -147,11 +147,13 @@ def _polished(basin: Basin, path: Repaired) -> Array:
     return q if basin.keeps(q) else path.q
 
 
-def _said(apart: Apart, hits: int) -> str:
-    """Return how a path was found, in words."""
+def _said(apart: Apart, hits: int, effort: str) -> str:
+    """Return how a path was found, in words, and what to do for a better one."""
+    more = next((name for name, e in EFFORTS.items() if e.work > EFFORTS[effort].work), None)
+    advice = "" if more is None else f": --effort {more} tries more"
     return (
         f"With clearance: {apart.tried} paths were moved apart or tried to be, {len(apart.found)} "
-        f"came apart, {hits} of them as this one; others may be better. The local "
+        f"came apart, {hits} of them as this one; others may be better{advice}. The local "
         "check holds the bodies by planes between them."
     )
 

@@ -57,7 +57,7 @@ class Budget:
 
 
 BUDGETS: dict[str, Budget] = {
-    "quick": Budget(1.2, check=0.06),
+    "quick": Budget(1.3, check=0.06),
     "normal": Budget(15.0, 3, 2.0, 2.5, 300, 0.4),
     "thorough": Budget(48.0, 4, 6.0, 12.0, 1000, 1.0, bound=True),
 }

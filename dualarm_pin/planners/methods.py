@@ -142,8 +142,6 @@ def plan(
 
 def _known(field: str, given: str, known: Sequence[str] | Mapping[str, Any]) -> None:
     if given not in known:
-        allowed = ", ".join(known) or "none"
-        raise UnknownNameError(
-            f"unknown {field} {given!r}: {nearest(given, known)} (allowed: {allowed})",
-            field=f"--{field}",
-        )
+        hint, allowed = nearest(given, known), ", ".join(known) or "none"
+        advice = f"{hint} Allowed: {allowed}" if hint.startswith("did you") else f"use {allowed}"
+        raise UnknownNameError(f"unknown {field} {given!r}: {advice}", field=f"--{field}")

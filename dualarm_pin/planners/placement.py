@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,7 @@ from dualarm_pin.answer.trajectory import Trajectory
 from dualarm_pin.answer.verify import verified
 from dualarm_pin.errors import InputError
 from dualarm_pin.placement.asked import Asked, standing
+from dualarm_pin.planners.slide import slide
 from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import SILENT, Progress
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 _TRIED = 8  # places at most at which the motion is planned again
+_SLID = 2  # of these that are moved on, where the bodies hold the motion
 _FLAT = 1e-5  # of max(1, objective): what a whole box of a flat direction may change it by
 _AT_BOUND = 1e-4  # of its box: a parameter this near to an end stands there
 _WIDER = (1.0, 3.0, 9.0)  # of its box on each side: where a place that can be reached is sought
@@ -112,7 +114,12 @@ def plan_placement(
     n = problem.n
     places = tuple(_place(may, minima, number, n) for number in range(len(minima)))
     progress.stage("motion at the places found", len(places))
-    best, moved, there = _best_motion(task, places, effort, seed, jobs, progress)
+    tried = _motions(task, places, effort, seed, jobs, progress)
+    if task.clearance is not None and any(each.answer.found for each in tried):
+        progress.stage("places moved while the bodies stay apart")
+        tried += _slid(task, may, tried, effort, seed, jobs)
+    planned = min(tried, key=_Planned.rank)
+    best, moved, there = planned.place, planned.task, planned.answer
     flat = _flat_directions(moved.problem(), best, may)
     notes = PlacementNotes(
         change=best.change,
@@ -126,31 +133,63 @@ def plan_placement(
     return Placement(moved, answer, places, flat)
 
 
-def _best_motion(
+class _Planned(NamedTuple):
+    """A place and the motion that was planned there."""
+
+    place: Place
+    task: Task
+    answer: Trajectory
+
+    def rank(self) -> tuple[bool, float]:
+        """Return what is lower for what is better."""
+        return not self.answer.found, self.answer.objective
+
+
+def _motions(
     task: Task,
     places: tuple[Place, ...],
     effort: str,
     seed: int,
     jobs: int | None,
     progress: Progress,
-) -> tuple[Place, Task, Trajectory]:
+) -> list[_Planned]:
     """Plan at the places, best first, until none that is left could do better.
 
     What the search of places leaves out, such as clearance, can only raise their objectives.
     """
-    best: tuple[Place, Task, Trajectory] | None = None
+    tried: list[_Planned] = []
     for place in places[:_TRIED]:
-        if best and best[2].found and best[2].objective <= place.objective:
+        if any(each.answer.found and each.answer.objective <= place.objective for each in tried):
             break
         moved = moved_task(task, place.change)
         there = plan_global(moved, effort=effort, seed=seed, jobs=jobs, progress=progress)
         if not there.found or there.objective > place.objective + _level(place.objective):
             alone = _checked(moved, place.q, seed, jobs)
             there = alone if alone.found or not there.found else there
-        if best is None or (there.found, -there.objective) > (best[2].found, -best[2].objective):
-            best = place, moved, there
-    assert best is not None  # there is a place
-    return best
+        tried.append(_Planned(place, moved, there))
+    return tried
+
+
+def _slid(
+    task: Task, may: Asked, tried: list[_Planned], effort: str, seed: int, jobs: int | None
+) -> list[_Planned]:
+    """Return the best places moved on, where the bodies held the motion and not the place.
+
+    A place whose objective without clearance is no lower than the best with it leads nowhere.
+    """
+    best = min(each.answer.objective for each in tried if each.answer.found)
+    held = [e for e in tried if e.answer.found and e.place.objective < best - _level(best)]
+    found = []
+    for each in sorted(held, key=_Planned.rank)[:_SLID]:
+        stand = slide(task, may, each.place.change, each.answer.q)
+        if stand is None or stand.path.objective > each.answer.objective - _level(best):
+            continue
+        q = stand.task.free().whole(stand.path.q)
+        place = Place(stand.path.objective, dict(stand.change), q, each.place.hits)
+        alone = _checked(stand.task, q, seed, jobs)
+        again = plan_global(stand.task, effort=effort, seed=seed, jobs=jobs, warm=alone)
+        found += [_Planned(place, stand.task, answer) for answer in (alone, again)]
+    return found
 
 
 def _place(may: Asked, minima: Minima, number: int, n: int) -> Place:

@@ -72,7 +72,7 @@ def unreachable(
     else:
         blame = (
             "every point can be reached by itself, but no start reached all of them; "
-            "try more starts"
+            "try --effort normal or more --starts"
         )
     return verified(
         task,

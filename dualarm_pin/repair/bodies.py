@@ -43,7 +43,7 @@ class Pairs(NamedTuple):
     Attributes:
         number: (p,) which of the cell's collision pairs.
         names: The two bodies of each.
-        required: (p,) distance that they must keep [m].
+        required: (p,) distance that they must keep [m]; the tolerance where they must not touch.
         joint: (p, 2) joints that their bodies move with.
         ends: (p, 2, 2, 3) segments of the capsules around them, in the frames of these joints [m].
         radius: (p, 2) of the capsules [m].
@@ -80,7 +80,7 @@ def asked_pairs(cell: Cell, required: Array) -> Pairs:
     return Pairs(
         number=chosen,
         names=tuple(names[k] for k in chosen),
-        # Contact is not allowed, and what is asked for is missed by up to the tolerance.
+        # A distance may be missed by the tolerance but for contact, which is never accepted.
         required=np.maximum(required[chosen], TOLERANCE.clearance),
         joint=np.array([[joints[b] for b in pair] for pair in both], np.int64).reshape(-1, 2),
         ends=np.array([[covers[b].ends for b in pair] for pair in both]).reshape(-1, 2, 2, 3),

@@ -1,5 +1,6 @@
 """Hops from the pool: disturb one point of a good path, walk from there, keep what is better.
 
+Most hops shift all joints at random, the others put the point on another branch (`Branches`).
 A window hop leaves the rest of the path as it is and solves its window between fixed neighbours; a
 whole hop has no neighbours. Splices join parts of several paths. None of these are independent
 starts: a hop knows what was found before, so it is no law and counts for no evidence.
@@ -7,6 +8,7 @@ starts: a hop knows what was found before, so it is no law and counts for no evi
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -15,6 +17,7 @@ from numpy.typing import NDArray
 
 from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
+from dualarm_pin.search.branches import Branches
 from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.splice import splices
 from dualarm_pin.search.starts import generator
@@ -33,6 +36,10 @@ _BATCH_COST = 0.1  # ... or fewer, where 20 iterations of each would cost more t
 _LOG_SHIFT = (np.log(0.3), np.log(3.0))  # rad, of all joints together
 _SCALES = 10.0 ** np.arange(-1, 3)  # of the links while walking
 _ITERATIONS = 60
+# How often which share of the path is a window: half of it wins three times as much for its work as
+# all, a quarter next to nothing once the path is good.
+_WINDOWS = {0.25: 0.15, 0.5: 0.4, 0.75: 0.2, 1.0: 0.25}
+_BRANCH = 0.25  # share of hops to another branch: on some cells they win most, on others nothing
 _HERE = Options(1e-3, 0, push=TOLERANCE.no_length)  # the objective of a start, and no more
 _SPLICE_EVERY = 5
 _SPLICED = 12  # best paths that are spliced
@@ -62,12 +69,13 @@ class Hops:
         self.pool, self.work = pool, work
         self.turns = Turns(problem)
         self.wide = self.turns.widened(problem)
+        self.branches = Branches(problem)
         k = problem.k
-        sizes = {max(9, k // 4) | 1, max(17, k // 2) | 1}
-        self._sizes = [*sorted(size for size in sizes if size < k), k]
+        self._sizes = [min(k, max(9, int(share * k)) | 1) for share in _WINDOWS]
+        self._weights: Sequence[float] = tuple(_WINDOWS.values())
         self._sweeps = Sweeps(problem, work, jobs) if k > LONG else None
         if self._sweeps is not None:
-            self._sizes = _OF_LONG
+            self._sizes, self._weights = _OF_LONG, (0.5, 0.5)
         self.made = self._batches = 0
         self._known: dict[bytes, Array] = {}
         self._spliced: set[bytes] = set()
@@ -80,27 +88,24 @@ class Hops:
         """
         random = generator(self.seed, 41, self.number, self._batches)
         self._batches += 1
-        self._hop(int(random.choice(self._sizes)), random)
+        self._hop(int(random.choice(self._sizes, p=self._weights)), random)
         many = len(self.pool.paths) > 2 and self._sweeps is None  # values of long paths cost more
         if many and self._batches % _SPLICE_EVERY == 0:
             self._splice(random)
 
     def _hop(self, w: int, random: np.random.Generator) -> None:
         problem, pool = self.problem, self.pool
-        k, n = problem.k, problem.n
+        k = problem.k
         most = int(_BATCH_COST / self.work.seconds(20.0 * w))
         batch = np.arange(max(1, min(_BATCH, most)))
         base = np.array([pool.paths[pool.pick(random)] for _ in batch])
         at = random.integers(0, k, len(batch))
         first = np.clip(at - w // 2, 0, k - w)
-        shift = random.normal(size=(len(batch), n))
-        shift /= np.linalg.norm(shift, axis=1, keepdims=True)
-        shift *= np.exp(random.uniform(*_LOG_SHIFT, (len(batch), 1)))
+        place = np.array([self._disturbed(q, random) for q in base[batch, at]])
         scale = random.choice(_SCALES, len(batch))
         alone = _PLACED if random.random() < 0.5 else _ALONE
         mu, push = MUS[int(random.integers(len(MUS)))]
 
-        place = np.clip(base[batch, at] + shift, problem.lower, problem.upper)
         placed = self._solved(place[:, None], alone, points=at)
         fit = np.flatnonzero(placed.residual < 0.05)
         if not len(fit):
@@ -152,6 +157,16 @@ class Hops:
             self._offer(valued, valued.feasible)
         elif better.any():
             self._offer(self._solved(base[better], Options(mu0=1e-3, push=1e-3)))
+
+    def _disturbed(self, q: Array, random: np.random.Generator) -> Array:
+        """Return a posture (n,) away from q, within the bounds."""
+        shift = random.normal(size=len(q))
+        shift *= np.exp(random.uniform(*_LOG_SHIFT)) / np.linalg.norm(shift)
+        if random.random() < _BRANCH:
+            moved = self.branches.other(q, random)
+            if moved is not None:
+                return moved
+        return np.clip(q + shift, self.problem.lower, self.problem.upper)
 
     def _splice(self, random: np.random.Generator) -> None:
         pool, problem = self.pool, self.problem

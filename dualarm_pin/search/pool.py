@@ -7,11 +7,14 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.tolerance import TOLERANCE
+
 Array = NDArray[np.float64]
 # Two paths of nearly one objective and nearly one place lie in one flat valley: one of them is kept
 _SAME_OBJECTIVE, _SAME_JOINT = 1e-3, 0.3
 _KEPT = 20
 _FAVOUR = 2.0  # a path e^-1 times as likely to be picked as that two places before it
+_TIRED = 20  # after so many hops in vain a path is half as likely to be picked: some lead nowhere
 _RIVALS = 4  # starts are dropped above this one of the pool ...
 _CLOSE = 0.02  # ... but never within this share of the best
 
@@ -22,11 +25,13 @@ class Pool:
     Attributes:
         paths: Joints (k, n) of each.
         objectives: Of each, ascending.
+        picks: How often each was picked.
     """
 
     def __init__(self) -> None:
         self.paths: list[Array] = []
         self.objectives: list[float] = []
+        self.picks: list[int] = []
 
     @property
     def best(self) -> float:
@@ -47,12 +52,13 @@ class Pool:
             if close and np.abs(path - q).max() < _SAME_JOINT:
                 if objective >= value:
                     return
-                del self.paths[at], self.objectives[at]
+                del self.paths[at], self.objectives[at], self.picks[at]
                 break
         at = int(np.searchsorted(self.objectives, objective))
         self.paths.insert(at, q)
         self.objectives.insert(at, float(objective))
-        del self.paths[_KEPT:], self.objectives[_KEPT:]
+        self.picks.insert(at, 0)
+        del self.paths[_KEPT:], self.objectives[_KEPT:], self.picks[_KEPT:]
 
     def merged(self, others: Sequence[Pool]) -> Pool:
         """Return a new pool of the paths of this one and others."""
@@ -63,6 +69,15 @@ class Pool:
         return pool
 
     def pick(self, random: np.random.Generator) -> int:
-        """Draw a path, the better the likelier."""
-        weight = np.exp(-np.arange(len(self.paths)) / _FAVOUR)
-        return int(random.choice(len(weight), p=weight / weight.sum()))
+        """Draw a path, the better the likelier, but less so the more often it was drawn.
+
+        Twins of one objective share its chance.
+        """
+        values = np.array(self.objectives)
+        fresh = np.diff(values, prepend=-np.inf) > TOLERANCE.same_objective * np.abs(values)
+        place = np.cumsum(fresh) - 1
+        weight = np.exp(-place / _FAVOUR) / np.bincount(place)[place]
+        weight /= 1.0 + np.array(self.picks) / _TIRED
+        at = int(random.choice(len(weight), p=weight / weight.sum()))
+        self.picks[at] += 1
+        return at

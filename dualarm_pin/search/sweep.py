@@ -7,11 +7,14 @@ solved, then those between; they overlap. The path stays feasible and never gets
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
 from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
+from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.work import Work
 from dualarm_pin.solution import Solutions
 from dualarm_pin.solvers import interior_point as engine
@@ -25,6 +28,11 @@ _ITERATIONS = 60
 _MUS = ((0.1, 1e-2), (1e-3, 1e-3), (1e-2, 1e-2))  # barrier and push of later sweeps
 _GAIN, _SWEEPS = 1e-3, 8  # windows beside one that won this share are solved again; sweeps
 _WHOLE = 0.15  # s: what the whole solve from a swept path may cost; it converges soon or never
+# Points of the paths between the coarse and the whole one, and how many starts are solved on them:
+# a start of a few points does not tell which basin is low where there are many, and sweeps from
+# one that was solved on more of them end lower.
+_OFF_PATH = 1e3  # what an end pays for its distance from its rows
+_BETWEEN = ((80, 5), (200, 3))
 _PLACE = Options(TOLERANCE.search, 25, 1e-3, 1e-3)
 _HERE = Options(TOLERANCE.search, 0, push=TOLERANCE.no_length)  # the objective, and no more
 
@@ -62,6 +70,28 @@ class Sweeps:
         better = whole.converged & ~whole.saddle
         order = [whole.take([i]) if ok else here.take([i]) for i, ok in enumerate(better)]
         return Solutions.join(order)
+
+    def nested(self, paths: Array, options: Options) -> tuple[Array, NDArray[np.int64]]:
+        """Return starts solved on ever more points, the best first, and which ones they were.
+
+        Args:
+            paths: Starts (s, k, n).
+            options: Barrier and push of the first solve.
+        """
+        which, how = np.arange(len(paths)), replace(options, tolerance=1e-5, iterations=_ITERATIONS)
+        for points, most in _BETWEEN:
+            level = coarse_of(self.problem, points)
+            starts = paths[which[:most]][:, level.points]
+            ends = engine.solve_many(level.problem, starts, jobs=self.jobs, options=how)
+            self.work.add(int(ends.iterations.sum()) * level.problem.k)
+            if ends.interrupted:
+                raise KeyboardInterrupt
+            standing = ends.objective + _OFF_PATH * ends.residual
+            order = np.argsort(standing, kind="stable")
+            which = which[:most][order]
+            paths[which] = [level.start(q) for q in ends.q[order]]
+            how = replace(how, mu0=1e-3, push=1e-3)
+        return paths[which], which
 
     def valued(self, paths: Array) -> Solutions:
         """Return paths (s, k, n) as they are, with their objectives."""

@@ -56,10 +56,14 @@ class Round:
 # the coarse path misses, or always where all would cost too much.
 _LONG, _COARSE_POINTS, _TOO_LONG = 40, 32, 100
 _FINE_SHARE = 0.25  # s: after these a round refines no more paths
-_ALONE = Options(1e-4, 60)  # a start that needs more hardly ever converges
+_ALONE = Options(1e-4, 30)  # those that need more are rarely the best, and cost a third
 _RACE_ITERATIONS = 6  # after these the objective ranks paths far better than before the first
 _NEAR = 1e-2  # a coarse end or a minimum of one point alone within this counts as on its rows
 _OFF_PATH = 0.05  # a raced path farther off its rows pays ten times the excess
+# Of the links while walking: weak ones follow the minima of single points, those of the path stay
+# smooth; either finds what the other misses. In the order of Thue and Morse, so that each meets
+# every level and barrier.
+_SCALES = (0.1, 1.0)
 MUS = ((1e-2, 1e-3), (0.1, 1e-2))  # barrier and push of starts: either finds what the other misses
 
 
@@ -129,7 +133,8 @@ class TrackLaw:
         level = self._levels[turn % len(self._levels)]
         mu, push = MUS[(self.number + turn + (lap if len(self._levels) > 1 else 0)) % len(MUS)]
         self.rounds.append(np.inf)
-        paths, value = self._walked(level.problem, random, how)
+        scale = _SCALES[(self.number + turn.bit_count()) % len(_SCALES)]
+        paths, value = self._walked(level.problem, random, how, scale)
         kept, count = _groups(paths, value)
         kept, count = kept[: how.raced], count[: how.raced]
         if not len(kept):
@@ -146,7 +151,11 @@ class TrackLaw:
             kept, merged = _groups(folded, ends.objective[near], count[near])
             kept, count = kept[: how.fine], merged[: how.fine]
             paths = np.array([level.start(folded[at]) for at in kept])
-        spent, at_once = self.work.spent, 3 if self._sweeps is None else 1
+        at_once = 3
+        if self._sweeps is not None and len(paths):
+            paths, order = self._sweeps.nested(paths, Options(mu0=mu, push=push))
+            count, at_once, mu, push = count[order], 1, 1e-3, 1e-3
+        spent = self.work.spent
         for first in range(0, len(paths), at_once):
             part = slice(first, first + at_once)
             self._settle(paths[part], count[part], mu, push)
@@ -154,7 +163,7 @@ class TrackLaw:
                 return
 
     def _walked(
-        self, problem: Problem, random: np.random.Generator, how: Round
+        self, problem: Problem, random: np.random.Generator, how: Round, scale: float
     ) -> tuple[Array, Array]:
         """Return walked paths (s, k, n) of the whole or the coarse path, folded, and objectives."""
         turns = self.turns
@@ -176,7 +185,7 @@ class TrackLaw:
         if not chosen:
             return np.zeros((0, problem.k, problem.n)), np.zeros(0)
         walked = engine.walk_many(
-            turns.widened(problem), folded[chosen, 0], at[chosen], jobs=self.jobs
+            turns.widened(problem), folded[chosen, 0], at[chosen], jobs=self.jobs, scale=scale
         )
         self.work.add(walked.steps)
         if walked.interrupted:

@@ -39,7 +39,7 @@ def take_step(
     """
     before = i - 1 if i > anchor else i + 1
     link = first + min(i, before)
-    _take_point(path, first + i, one)
+    _take_point(path, first + i, one, 0)
     copy_row(path.links.metric[link], one.links.metric[0])
     one.neighbours.weight[0] = scale * path.links.weight[link]
     one.neighbours.weight[1] = 0.0
@@ -51,26 +51,48 @@ def take_step(
 
 
 @compiled
-def _take_point(path: Problem, i: int, one: Problem) -> None:
-    """Copy what belongs to point i into the problem of one point."""
-    source, target = path.points, one.points
-    copy_row(source.position[i], target.position[0])
-    copy_row(source.quaternion[i], target.quaternion[0])
-    copy_rows(source.target_axes[i], target.target_axes[0])
-    copy_row(source.u[i], target.u[0])
-    copy_row(source.linear[i], target.linear[0])
-    target.pose_rows[0] = source.pose_rows[i]
-    target.index_weight[0] = source.index_weight[i]
-    one.row_count[0] = path.row_count[i]
-    _take_rows(path.equalities, i, one.equalities)
-    _take_rows(path.inequalities, i, one.inequalities)
+def take_window(path: Problem, first: int, scale: float, window: Problem) -> None:
+    """Make `window` the problem of neighbouring points of a path, as `Problem.window` does.
+
+    Args:
+        path: The problem of all points.
+        first: The point that the first one of the window stands for.
+        scale: Factor on the weight of the links that lead out of the window: 0 or 1.
+        window: A problem with arrays of its own, overwritten.
+    """
+    count, links = window.row_count.shape[0], path.links
+    for i in range(count):
+        _take_point(path, first + i, window, i)
+        copy_row(links.metric[first + i], window.links.metric[i])
+        window.links.weight[i] = links.weight[first + i]
+    weight, after = window.neighbours.weight, first + count
+    weight[0] = scale * links.weight[first - 1] if first > 0 else path.neighbours.weight[0]
+    weight[1] = path.neighbours.weight[1]
+    if after < path.row_count.shape[0]:
+        weight[1] = scale * links.weight[after - 1]
 
 
 @compiled
-def _take_rows(source: RowTable, i: int, target: RowTable) -> None:
-    target.size[0] = source.size[i]
-    copy_row(source.kind[i], target.kind[0])
-    copy_row(source.source[i], target.source[0])
-    copy_row(source.first[i], target.first[0])
-    copy_row(source.second[i], target.second[0])
-    copy_rows(source.data[i], target.data[0])
+def _take_point(path: Problem, i: int, window: Problem, at: int) -> None:
+    """Copy what belongs to point i into that one of a window."""
+    source, target = path.points, window.points
+    copy_row(source.position[i], target.position[at])
+    copy_row(source.quaternion[i], target.quaternion[at])
+    copy_rows(source.target_axes[i], target.target_axes[at])
+    copy_row(source.u[i], target.u[at])
+    copy_row(source.linear[i], target.linear[at])
+    target.pose_rows[at] = source.pose_rows[i]
+    target.index_weight[at] = source.index_weight[i]
+    window.row_count[at] = path.row_count[i]
+    _take_rows(path.equalities, i, window.equalities, at)
+    _take_rows(path.inequalities, i, window.inequalities, at)
+
+
+@compiled
+def _take_rows(source: RowTable, i: int, target: RowTable, at: int) -> None:
+    target.size[at] = source.size[i]
+    copy_row(source.kind[i], target.kind[at])
+    copy_row(source.source[i], target.source[at])
+    copy_row(source.first[i], target.first[at])
+    copy_row(source.second[i], target.second[at])
+    copy_rows(source.data[i], target.data[at])
