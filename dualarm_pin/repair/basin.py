@@ -21,7 +21,7 @@ from dualarm_pin.tolerance import TOLERANCE
 
 INNER = 3  # postures looked at between two points
 _ROUNDS, _MORE_ROUNDS = 16, 6  # of witness rows; of postures between the points
-_PATIENCE, _PROGRESS = 5, 0.8  # rounds in which the worst lack must shrink to this share
+_PATIENCE, _PROGRESS = 3, 0.8  # rounds in which the worst lack must shrink to this share
 _CUTS = 4  # solves with the same planes, each with the corners that the last brought through them
 _SLIP, _HALVINGS = 0.02, 2  # m: rows are made anew before bodies are deeper in each other
 _STILL = 5e-3  # rad or m: less movement is no reason for another round

@@ -10,8 +10,8 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.search.work import Work
 
 # Seconds, measured: to place the bodies of a posture, of each pair as hulls and as meshes, of a row
-# in a Newton step.
-_POSTURE, _PAIR, _MESHES, _ROW = 5e-5, 1.4e-5, 3e-4, 5e-7
+# in a Newton step; of what a call takes beside these.
+_POSTURE, _PAIR, _MESHES, _ROW, _CALL = 5e-5, 1.4e-5, 4e-4, 5e-7, 5e-4
 _PATIENCE = 4.0  # times the budget, while there is no path at all
 
 
@@ -48,7 +48,7 @@ class Meter:
             OverError: Enough is spent.
             LongError: Enough is spent on what was allowed for.
         """
-        self._add(iterations * (self._work.seconds(points) + _ROW * rows))
+        self._add(_CALL + iterations * (self._work.seconds(points) + _ROW * rows))
 
     def measured(self, postures: int, pairs: int) -> None:
         """Count postures at which bodies were placed, and pairs that were measured.
@@ -57,7 +57,7 @@ class Meter:
             OverError: Enough is spent.
             LongError: Enough is spent on what was allowed for.
         """
-        self._add(_POSTURE * postures + _PAIR * pairs)
+        self._add(_CALL + _POSTURE * postures + _PAIR * pairs)
 
     def meshes(self) -> None:
         """Count a pair that was measured as meshes.

@@ -43,7 +43,7 @@ class Effort:
     ways: int = 2
     rounds: int = 1
     margins: int = 1
-    share: float = 0.5
+    share: float = 0.4
 
 
 EFFORTS = {
