@@ -3,9 +3,9 @@
     python docs/run_page.py docs/manual/start.md [--write]
 
 A block with a caption is a file, a block `sh` is run in its folder, and a block `text` below it is
-what it prints. Numbers may differ by a hundredth, times and what is said about compiling may differ
-freely. `--write` puts what was printed into the page instead. Ends with 1 where a command fails or
-prints something else.
+what it prints. Numbers may differ by a hundredth; times, rounds of a search and what is said about
+compiling may differ freely. `--write` puts what was printed into the page instead. Ends with 1
+where a command fails or prints something else.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ BLOCK = re.compile(
 )
 NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?")
 CLOSE, NOTHING = 1e-2, 1e-6  # share of a number, and what counts as zero (m, rad, m^2)
-FREE = ("time ", "compil")  # beginnings of lines that a machine decides
+FREE = ("time ", "compil", "evidence ")  # lines that a machine decides: rounds differ by rounding
 LEFT_OUT = "..."  # a line of a page: any number of lines
 
 

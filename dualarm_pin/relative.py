@@ -114,7 +114,7 @@ def _motion_in_model(cell: Cell, first: int, second: int, q: ArrayLike) -> tuple
     J = np.empty(J2.shape)
     np.matmul(R1.T, J2[:3], out=J[:3])
     np.matmul(R1.T, J2[3:], out=J[3:])
-    return M1.actInv(M2), J
+    return M1.actInv(M2), J.reshape(6, -1)  # Pinocchio gives that of one joint as a vector
 
 
 _ORDER: weakref.WeakKeyDictionary[Cell, NDArray[np.bool_]] = weakref.WeakKeyDictionary()

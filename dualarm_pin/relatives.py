@@ -102,5 +102,5 @@ def _placed(cell: Cell, q: Array) -> tuple[Array, Array, Array]:
             M = pin.updateFramePlacement(model, data, tip)
             R[i, side], p[i, side] = M.rotation, M.translation
             if model.nv:  # Pinocchio crashes on the Jacobian of a model without joints
-                J[i, side] = pin.getFrameJacobian(model, data, tip, _ALIGNED)
+                J[i, side] = pin.getFrameJacobian(model, data, tip, _ALIGNED).reshape(6, -1)
     return R, p, J

@@ -529,7 +529,7 @@ MISTAKES: dict[str, tuple[str, int | None, str, tuple[str, ...]]] = {
         "arms.arm1.tip",
         ("give the link that carries the tool", "tip"),
     ),
-    "tip is a number": (PAIR.replace("tip: tip}", "tip: 3}"), 2, "arms.arm1.tip", ("string",)),
+    "tip is a number": (PAIR.replace("tip: tip}", "tip: 3}"), 2, "arms.arm1.tip", ("text",)),
     "unknown tip": (
         PAIR.replace("tip: tip}", "tip: hnad}"),
         2,

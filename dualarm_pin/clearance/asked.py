@@ -114,14 +114,26 @@ def fixed_pairs(routes: Iterable[HandRoute]) -> tuple[FixedPair, ...]:
     found: dict[Pair, Array] = {}
     loose: set[Pair] = set()
     for route in routes:
-        if route.joint:
+        pair = route.cell.pairs[route.number]
+        if route.joint or pair in loose:
             continue
-        pair, h = route.cell.pairs[route.number], route.path.h
-        seen = np.array([[route.distance(i, v) for v in route.values] for i in range(h)])
-        if np.max(np.ptp(seen, axis=1)) > _SPARED:
+        held = _held(route)
+        if held is None:
             loose.add(pair)
-        found[pair] = np.minimum(found.get(pair, np.inf), seen.min(axis=1))
+        else:
+            found[pair] = np.minimum(found.get(pair, np.inf), held)
     return tuple(FixedPair(pair, d) for pair, d in found.items() if pair not in loose)
+
+
+def _held(route: HandRoute) -> Array | None:
+    """Return the distance (h,) [m] that a path fixes, None at the first point where it does not."""
+    nearest = np.empty(route.path.h)
+    for i in range(route.path.h):
+        seen = [route.distance(i, value) for value in route.values]
+        nearest[i] = min(seen)
+        if max(seen) - nearest[i] > _SPARED:
+            return None
+    return nearest
 
 
 def _or_less(required: float | None) -> float:
@@ -152,11 +164,14 @@ def _forbidden(routes: Sequence[HandRoute], required: Array) -> tuple[ForbiddenP
     worst: dict[Pair, ForbiddenPair] = {}
     for route in routes:
         pair, wanted = route.cell.pairs[route.number], float(required[route.number])
+        if wanted == -np.inf:
+            continue
         enough = max(wanted - TOLERANCE.clearance, 0.0)
         middle = float(route.values[len(route.values) // 2])
-        seen = np.array([route.distance(i, middle) for i in range(route.path.h)])
-        for i in map(int, np.argsort(seen)):
-            if keeps(float(seen[i]), wanted):
+        near = np.flatnonzero(route.apart() <= wanted)
+        seen = np.array([route.distance(int(i), middle) for i in near])
+        for k, i in zip(np.argsort(seen), near[np.argsort(seen)].tolist(), strict=True):
+            if keeps(float(seen[k]), wanted):
                 break
             most = route.most(i, enough)
             if most is not None:

@@ -17,7 +17,7 @@ import pinocchio as pin
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.chain import REVOLUTE, joint_axis
-from dualarm_pin.clearance.extent import corners_of
+from dualarm_pin.clearance.extent import ball_of, corners_of
 from dualarm_pin.path.path import SPIN_FREE, WHOLE_POSE
 
 if TYPE_CHECKING:
@@ -72,6 +72,17 @@ class HandRoute:
         first, second = poses[::-1] if self.swap else poses
         return self.cell.distance_placed(self.number, first, second, exact=exact)
 
+    def apart(self) -> Array:
+        """Return a distance (h,) [m] that the bodies keep at the middle value, as two balls."""
+        value = float(self.values[len(self.values) // 2])
+        bodies = (self.cell.collision.geometryObjects[k].geometry for k in self._ends)
+        (first, wide), (second, other) = map(ball_of, bodies)
+        one, two = self._seen(value)
+        there = self._turn(value) @ two.act(second)
+        between = self.path.rotation @ there + self.path.position - one.act(first)
+        gaps: Array = np.linalg.norm(between, axis=1) - wide - other
+        return gaps
+
     def most(self, point: int, enough: float) -> float | None:
         """Return the largest distance [m] at a point, meshes as they are, if it is not enough.
 
@@ -105,10 +116,13 @@ class HandRoute:
 
     def _across(self, point: int, value: float) -> Any:
         """Return the pose of the second hand in the first."""
-        turn = np.eye(3)
-        if self.spin:
-            turn = pin.AngleAxis(float(value), self.path.spin_axis).toRotationMatrix()
-        return self.path.pose(point) * pin.SE3(turn, np.zeros(3))
+        return self.path.pose(point) * pin.SE3(self._turn(value), np.zeros(3))
+
+    def _turn(self, value: float) -> Array:
+        if not self.spin:
+            return np.eye(3)
+        turn: Array = pin.AngleAxis(float(value), self.path.spin_axis).toRotationMatrix()
+        return turn
 
     def _seen(self, value: float) -> tuple[Any, Any]:
         """Return the poses of the two bodies, each in its hand."""

@@ -22,6 +22,7 @@ from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
 from dualarm_pin.repair.basin import Basin, Repaired
 from dualarm_pin.repair.bodies import asked_pairs
+from dualarm_pin.repair.few import LONG, led_by_few
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.survey import Survey
@@ -85,8 +86,12 @@ def plan_apart(
     progress.stage("paths that keep the bodies apart")
     left = max(deadline - time.monotonic(), 0.0)
     stop = deadline if left == np.inf else deadline - _CHECK * left
-    survey.meter = Meter(free.problem, EFFORTS[effort].work, stop)
-    apart = keep_apart(basin, minima, EFFORTS[effort], seed=seed, jobs=jobs, given=given)
+    how = EFFORTS[effort]
+    if free.problem.k > LONG:
+        starts, cut = led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs)
+        given, interrupted = [*given, *starts], interrupted or cut
+    survey.meter = Meter(free.problem, how.work, stop)
+    apart = keep_apart(basin, minima, how, seed=seed, jobs=jobs, given=given)
     provenance: dict[str, Any] = {
         "method": "global",
         "solver": solver,
