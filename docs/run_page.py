@@ -123,8 +123,18 @@ def same(page: str, printed: str) -> bool:
     """Tell whether two lines have the same words and numbers close to each other."""
     if NUMBER.sub("#", page).split() != NUMBER.sub("#", printed).split():
         return False
-    pairs = zip(map(float, NUMBER.findall(page)), map(float, NUMBER.findall(printed)), strict=True)
-    return all(abs(a - b) <= max(CLOSE * abs(a), NOTHING) for a, b in pairs)
+    pairs = zip(NUMBER.findall(page), NUMBER.findall(printed), strict=True)
+    return all(_close(float(a), float(b), _last_place(a)) for a, b in pairs)
+
+
+def _close(a: float, b: float, unit: float) -> bool:
+    return abs(a - b) <= max(CLOSE * abs(a), NOTHING, 1.01 * unit)
+
+
+def _last_place(number: str) -> float:
+    """Return what the last digit behind the point of a number is worth: it may be rounded."""
+    _, point, behind = number.partition(".")
+    return 10.0 ** -len(behind) if point and "e" not in behind else 0.0
 
 
 def _lines(text: str) -> list[str]:

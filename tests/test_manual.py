@@ -61,6 +61,12 @@ def test_a_page_that_says_something_else_is_found(run_page, tmp_path: Path) -> N
         run_page.run(PAGE.replace("cat words", "cat no"), tmp_path)
 
 
+def test_the_last_digit_of_a_number_may_be_rounded_and_no_more(run_page) -> None:
+    assert run_page.same("clearance 0.000 m", "clearance 0.001 m")
+    assert not run_page.same("clearance 0.000 m", "clearance 0.002 m")
+    assert not run_page.same("iterations 12", "iterations 13")
+
+
 def test_the_first_page_takes_ten_commands_at_most(run_page) -> None:
     text = (DOCS / "manual" / "start.md").read_text(encoding="utf-8")
     commands = [command for command, _ in run_page.shown(text)]
