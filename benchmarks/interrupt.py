@@ -141,7 +141,7 @@ def outcome(
         allowed = [whole[name], answer] if name.startswith("solve") and code else [whole[name]]
         if set(now) not in allowed:
             return f"files: {sorted(now)}"
-        made = [file for file in now if name != "motion" or "motion" in file or "json" in file]
+        made = [f for f in now if name != "motion" or "motion" in f or f == "result.json"]
         same = [file for file in made if now[file] == old.get(file)]
         return f"of the old result: {same}" if same else "new"
 

@@ -40,7 +40,8 @@ class InputError(DualArmError, ValueError):
         place = "" if self.file is None else str(self.file)
         if self.line is not None:
             place += f":{self.line}"
-        return ": ".join(part for part in (place, self.field, self.message) if part)
+        said = ": ".join(part for part in (place, self.field, self.message) if part)
+        return said.encode("utf-8", "backslashreplace").decode()  # half a character has no bytes
 
 
 class MissingFileError(InputError, FileNotFoundError):

@@ -194,3 +194,8 @@ def test_a_module_name_that_is_too_long_is_refused(tmp_path: Path) -> None:
     file.write_text(f"cell: {CELL}\npath: {path}\nindex: {{call: '{'a' * 5000}:f'}}\n")
     with pytest.raises(InputError, match="it would import the module"):
         Task.load(file)
+
+
+def test_a_message_about_half_a_character_can_be_written() -> None:
+    said = str(InputError("not known", field="pairs.\udfff"))
+    assert said.encode("utf-8") == b"pairs.\\udfff: not known"

@@ -54,7 +54,7 @@ def test_a_page_that_says_something_else_is_found(run_page, tmp_path: Path) -> N
 
     assert wrong(PAGE) == []
     assert wrong(PAGE.replace("```text\none 1.001\n", "```text\n...\n")) == []
-    for page, other in (("one 1.001", "one 1.1"), ("\none 1.001", "\n"), ("1.001\ntwo", "1.001")):
+    for page, other in (("one 1.001", "one 1.2"), ("\none 1.001", "\n"), ("1.001\ntwo", "1.001")):
         assert wrong(PAGE.replace(page, other)) != []
     assert wrong(PAGE.partition("```text\none 1.001")[0]) != []
     with pytest.raises(SystemExit, match="ended with 1"):

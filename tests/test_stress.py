@@ -130,6 +130,25 @@ def test_an_interrupt_that_a_destructor_swallows_comes_again(
     assert capsys.readouterr().err == "dualarm-pin: stopped\n"
 
 
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_what_an_interrupt_leaves_half_made_says_nothing(
+    number: int, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    class Half:
+        def __init__(self) -> None:
+            signal.raise_signal(number)
+            self.opened = True
+
+        def __del__(self) -> None:
+            assert self.opened
+
+    monkeypatch.setattr("dualarm_pin.cli.app", lambda _: Half())
+    with pytest.raises(SystemExit) as ended:
+        main([])
+    assert ended.value.code == 128 + number
+    assert capsys.readouterr().err == "dualarm-pin: stopped\n"
+
+
 def test_a_folder_belongs_to_one_run_until_its_process_is_gone(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -18,12 +18,16 @@ def stoppable() -> Iterator[list[int]]:
     """Turn SIGTERM into a KeyboardInterrupt; give the list that tells whether one came.
 
     An interrupt that comes inside a destructor or a callback of C code cannot be raised there, and
-    Python only prints it. It is sent again, so that the command ends all the same.
+    Python only prints it. It is sent again, so that the command ends all the same. What an object
+    that it left half-made then says of itself is not the user's.
     """
     received: list[int] = []
+    came: list[int] = []
 
     def stop(number: int, _frame: FrameType | None) -> None:
-        received.append(number)
+        came.append(number)
+        if number == signal.SIGTERM:
+            received.append(number)
         raise KeyboardInterrupt
 
     def again(_number: int, _frame: FrameType | None) -> None:
@@ -32,16 +36,16 @@ def stoppable() -> Iterator[list[int]]:
     def swallowed(unraisable: Any) -> None:
         if issubclass(unraisable.exc_type, KeyboardInterrupt):
             signal.setitimer(signal.ITIMER_REAL, _SOON)
-        else:
+        elif not came:
             said(unraisable)
 
     if threading.current_thread() is not threading.main_thread():
         yield received  # only the main thread may set handlers
         return
-    before = {
-        kind: signal.signal(kind, handler)
-        for kind, handler in ((signal.SIGTERM, stop), (signal.SIGALRM, again))
-    }
+    handlers = {signal.SIGTERM: stop, signal.SIGALRM: again}
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        handlers[signal.SIGINT] = stop
+    before = {kind: signal.signal(kind, handler) for kind, handler in handlers.items()}
     said, sys.unraisablehook = sys.unraisablehook, swallowed
     try:
         yield received
