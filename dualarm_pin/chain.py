@@ -148,6 +148,9 @@ def segments(chain: Chain, q: ArrayLike) -> list[Any]:
     return found
 
 
+_BODIES: weakref.WeakKeyDictionary[Cell, dict[int, Body]] = weakref.WeakKeyDictionary()
+
+
 def body_of(cell: Cell, frame: int) -> Body:
     """Find the link of the chain that a frame of the cell's model moves with.
 
@@ -159,6 +162,13 @@ def body_of(cell: Cell, frame: int) -> Body:
         InputError: The frame moves with no link of the chain: a joint that moves both arms, or
             one that is off the chain, lies between.
     """
+    known = _BODIES.setdefault(cell, {})  # each plane of each point of a path asks
+    if frame not in known:
+        known[frame] = _found_body(cell, frame)
+    return known[frame]
+
+
+def _found_body(cell: Cell, frame: int) -> Body:
     chain = chain_of(cell)
     draw = np.random.default_rng(0).uniform(-1.0, 1.0, (3, cell.n))
     seen = [_seen_from_segments(cell, chain, frame, q) for q in draw]

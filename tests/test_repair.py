@@ -35,6 +35,7 @@ from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.show.report_tables import tables_of
 from dualarm_pin.task import Task
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -260,3 +261,13 @@ def test_a_budget_ends_a_repair_and_what_was_found_is_kept(task: Task, best: Arr
     survey = Survey(problem, pairs, Meter(problem, 1e-3))
     with pytest.raises(OverError):
         Basin(survey, between=True).repaired(best)
+
+
+def test_a_long_path_is_led_apart_by_a_few_of_its_points() -> None:
+    task = Task.load(TASK, ["clearance=0.15", "path.corner.points=[60, 21, 60]"])
+    answer = plan_global(task, effort="quick", jobs=1)
+    assert answer.found, answer.message
+    assert answer.q.shape == (141, 12)
+    asked = asked_of(task).required
+    seen = np.min([task.cell.distances(q) for q in answer.q], axis=0)
+    assert np.all(seen >= asked - TOLERANCE.clearance)

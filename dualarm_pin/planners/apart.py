@@ -86,12 +86,12 @@ def plan_apart(
     progress.stage("paths that keep the bodies apart")
     left = max(deadline - time.monotonic(), 0.0)
     stop = deadline if left == np.inf else deadline - _CHECK * left
-    how = EFFORTS[effort]
+    how, apart = EFFORTS[effort], Apart()
     if free.problem.k > LONG:
-        starts, cut = led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs)
-        given, interrupted = [*given, *starts], interrupted or cut
-    survey.meter = Meter(free.problem, how.work, stop)
-    apart = keep_apart(basin, minima, how, seed=seed, jobs=jobs, given=given)
+        apart = led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs, given=given)
+    if not apart.found:
+        survey.meter = Meter(free.problem, how.work, stop)
+        apart = keep_apart(basin, minima, how, seed=seed, jobs=jobs, given=given)
     provenance: dict[str, Any] = {
         "method": "global",
         "solver": solver,

@@ -1,20 +1,22 @@
-"""Long paths: a few points of them are moved apart first, and all of them begin from there."""
+"""Long paths: a few points are moved apart first, then ever more, from where those ended."""
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Sequence
 
+import numpy as np
+
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.basin import Basin
-from dualarm_pin.repair.meter import Meter
-from dualarm_pin.repair.pool import Effort, keep_apart
+from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.meter import Meter, OverError
+from dualarm_pin.repair.pool import Apart, Effort, keep_apart
 from dualarm_pin.repair.survey import Survey
-from dualarm_pin.search.coarse import coarse_of
+from dualarm_pin.search.coarse import Coarse, coarse_of
 
 LONG = 100  # points; a path with more is led by a few of them
-_FEW = 48  # points: bodies pass between no two of them unseen on a path that all points follow
-_SHARE = 0.5  # of the work
-_GIVEN = 2  # paths of a few points that all points begin from
+_FEW = 48  # points: about as many as a short path has, where repairs are cheap
+_GIVEN = 2  # paths of a few points, of which the first is taken that all points can follow
 
 
 def led_by_few(
@@ -25,8 +27,9 @@ def led_by_few(
     deadline: float,
     seed: int,
     jobs: int | None,
-) -> tuple[list[Array], bool]:
-    """Return starts (k, n) of a long path, near paths of a few points whose bodies are apart.
+    given: Sequence[Array] = (),
+) -> Apart:
+    """Look for a long path whose bodies are apart, near the best one of a few points.
 
     Args:
         basin: What moves paths of all points apart.
@@ -35,13 +38,50 @@ def led_by_few(
         deadline: Monotonic time at which the work is cut [s].
         seed: Of the walks.
         jobs: Threads.
+        given: Further paths (k, n) to move apart.
 
     Returns:
-        The starts, best first, and whether Ctrl-C or the time limit cut the work.
+        One path, or none; after Ctrl-C what there was so far.
     """
-    few = coarse_of(basin.survey.problem, _FEW)
-    meter = Meter(few.problem, _SHARE * effort.work, deadline)
-    part = Basin(Survey(few.problem, basin.survey.pairs, meter), between=False)
-    thinned = [(value, path[few.points]) for value, path in minima]
-    apart = keep_apart(part, thinned, effort, seed=seed, jobs=jobs)
-    return [few.start(each.q) for each in apart.found[:_GIVEN]], apart.cut
+    whole, counts = basin.survey.problem, [_FEW]
+    while counts[-1] < whole.k:
+        counts.append(min(counts[-1] << 1, whole.k))
+    levels = [coarse_of(whole, count) for count in counts]
+    few = _on(basin, levels[0], effort, deadline)
+    at = levels[0].points
+    thinned = [(value, path[at]) for value, path in minima]
+    also = [path[at] for path in given]
+    apart = keep_apart(few, thinned, effort, seed=seed, jobs=jobs, given=also)
+    result = Apart(tried=apart.tried, complete=apart.complete, cut=apart.cut)
+    try:
+        for each in apart.found[:_GIVEN]:
+            path = _followed(basin, levels, each.q, effort, deadline)
+            if path is not None:
+                result.found = [path]
+                break
+    except OverError:
+        result.complete = False
+    except KeyboardInterrupt:
+        result.complete, result.cut = False, True
+    return result
+
+
+def _on(basin: Basin, level: Coarse, effort: Effort, deadline: float) -> Basin:
+    """Return what moves paths of some points apart; the whole path is looked at between them."""
+    meter = Meter(level.problem, effort.work, deadline)
+    return Basin(Survey(level.problem, basin.survey.pairs, meter), between=False)
+
+
+def _followed(
+    basin: Basin, levels: Sequence[Coarse], q: Array, effort: Effort, deadline: float
+) -> Repaired | None:
+    """Return where ever more points follow a path of the first level, or None."""
+    path = None
+    for before, level in itertools.pairwise(levels):
+        path = _on(basin, level, effort, deadline).repaired(before.start(q)[level.points])
+        if path is None:
+            return None
+        q = path.q
+    if path is None or np.isinf(path.objective) or not basin.keeps(path.q):
+        return None
+    return path
