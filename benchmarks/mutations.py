@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from sound_files import CALLING, CELLS, INDICES, PATHS, REQUESTS, SECTIONS, SRDF, SUITE, TASK, URDF
 
+HUGE = 10**300  # whole numbers beyond it become no fractions
 NUMBERS: list[Any] = [
     0, -1, 1, 2, 3, 0.5, 1e12, -1e12, 10**12, 10**30, 10**400, 1e-300, 1e-9, 1e308, 1e5, 1e6, 2e6,
     float("nan"), float("inf"), -float("inf"), 2**31, 2**53, 2**63, 2**64, 360, 1e-4, 7, 100_000,
@@ -88,7 +89,9 @@ def changed(chance: Chance, data: Any, pool: list[Any], *, leaves: bool = False)
     elif how < 0.25 and isinstance(node, list) and not leaves:
         node.insert(0, node[last])
     elif how < 0.5 and isinstance(node[last], int | float):
-        node[last] *= chance.choice([-1, 0.5, 2, 10, 1000, 1.001])
+        factor = chance.choice([-1, 0.5, 2, 10, 1000, 1.001])
+        huge = isinstance(node[last], int) and abs(node[last]) > HUGE
+        node[last] *= (int(factor) or 2) if huge else factor
     else:
         node[last] = chance.choice(pool)
     return data

@@ -90,7 +90,7 @@ assert apart.trajectory.found
 assert best.objective < apart.trajectory.objective < given.objective
 
 # %%
-dp.Player(apart.task, {"bodies 0.05 m apart": apart.trajectory})
+dp.show.Player(apart.task, {"bodies 0.05 m apart": apart.trajectory})
 
 # %% [markdown]
 # ## A motion that follows
@@ -113,7 +113,7 @@ ax = figure.add_subplot()
 for number, basin in enumerate(sorted(set(basins))):
     mine = [k for k, other in enumerate(basins) if other == basin]
     values = [answers[k].objective for k in mine]
-    colour = dp.plots.COLOURS[number]
+    colour = dp.show.plots.COLOURS[number]
     ax.plot(places[mine], values, "o-", ms=3, color=colour, label=f"way {basin}")
 ax.set_xlabel("x of base 2 [m]")
 ax.set_ylabel("objective (19)")

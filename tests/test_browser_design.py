@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 from browser import opened
-from drag import SPOT, drag
+from drag import SPOT
 from paper_case import task
 
 from dualarm_pin.design.server import Pages
@@ -226,21 +226,21 @@ def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stand
 
 
 def test_what_would_be_seen_too_late_is_not_drawn(view):
+    two = "dualarm.design.set({{'base2.x': {}}}); dualarm.design.set({{'base2.x': {}}})"
     view.do("(dualarm.design.late = 0, DA.oldest = 1e9)")
-    seen = [drag(view, seconds=2.0)]
-    while not seen[-1].ages and len(seen) < 20:  # a machine may do little in two seconds
-        seen.append(drag(view, seconds=2.0))
-    assert seen[-1].ages
+    view.do(two.format(0.01, 0.02))  # the second waits for the answer to the first
+    until(view, "d.shown.state.change['base2.x'] === 0.02 && !d.busy")
     assert view.do("dualarm.design.late") == 0
     view.do("(DA.oldest = 0)")  # everything is too late now, but what nothing newer follows
-    for _ in range(20):
-        none = drag(view, seconds=2.0)
-        assert len(none.ages) <= 1
+    for k in range(20):  # a look at the search may be on its way: then nothing waits
+        last = 0.04 + 0.01 * (k % 2)
+        view.do(two.format(0.03, last))
+        until(view, f"d.shown.state.change['base2.x'] === {last} && !d.busy")
         if view.do("dualarm.design.late"):
             break
-    assert view.do("dualarm.design.late") > 0
-    assert shown(view, "state.change['base2.x']") == state(view)["change"]["base2.x"]
+    assert view.do("dualarm.design.late") == 1
     view.do("(DA.oldest = 150)")
+    view.do("dualarm.design.commit(); dualarm.design.idle()")
 
 
 def test_variants_are_kept_restored_and_saved(view, pages):

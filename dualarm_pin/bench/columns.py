@@ -210,6 +210,8 @@ def first_wrong(row: Mapping[str, Any]) -> str | None:
     for name, kind in (("found", bool), ("status", str), ("reason", str), ("set", Mapping)):
         if not isinstance(row.get(name), kind):
             return name
+    if not isinstance(flat.get("evidence.verdict"), str | None):
+        return "evidence.verdict"
     for column in COLUMNS:
         value = flat.get(column.name)
         number = column.shown or column.name in _RANKED

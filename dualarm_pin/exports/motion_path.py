@@ -16,7 +16,9 @@ from scipy.spatial.transform import Rotation
 
 from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.cell import Cell
+from dualarm_pin.errors import InputError
 from dualarm_pin.exports.format import Chord
+from dualarm_pin.files.numbers import LARGEST
 from dualarm_pin.path import Path
 from dualarm_pin.path.path import POSITION_ONLY, SPIN_FREE, WHOLE_POSE
 from dualarm_pin.relative import Relative
@@ -93,8 +95,16 @@ class MotionPath:
         Args:
             q: Joints (k, n), about as close to each other as the samples of the motion; the first
                 and the last are compared with the ends of the motion.
+
+        Raises:
+            InputError: They lead where no robot is.
         """
         given = self._poses(q, np.zeros_like(q))
+        if not np.all(np.abs(given.position) <= LARGEST):
+            message = (
+                f"the program leads beyond {LARGEST:g} m: look at the lengths in the cell file"
+            )
+            raise InputError(message, field="controller")
         where = self.length[self._nearest_samples(q, given)]
         where[0], where[-1] = 0.0, self.length[-1]
         error, rate = self._error(given, where)

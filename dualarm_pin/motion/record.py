@@ -10,6 +10,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array, finite
 from dualarm_pin.errors import InputError
+from dualarm_pin.files.numbers import LARGEST
 from dualarm_pin.motion.store import has_motion, read_motion, write_motion
 from dualarm_pin.motion.summary import Law, MotionSummary
 
@@ -50,10 +51,14 @@ class Motion:
         finite(self.arc_length, "arc_length", (m,))
         for name in ("q", "velocity", "acceleration"):
             finite(getattr(self, name), name, (m, n))
+        if np.abs(self.q).max(initial=0.0) > LARGEST:
+            raise InputError(f"rad or m up to {LARGEST:g} are expected", field="q")
         if self.torque is not None:
             finite(self.torque, "torque", (m, n))
         if m < 2 or self.time[0] != 0.0 or np.any(np.diff(self.time) <= 0.0):
             raise InputError("times must rise from 0, two or more", field="time")
+        if np.any(np.diff(self.arc_length) < 0.0):
+            raise InputError("arc lengths must not fall", field="arc_length")
 
     @classmethod
     def load(cls, folder: str | Path) -> Motion:
