@@ -147,11 +147,13 @@ class _Tries:
         self.basin, self.effort, self.result = basin, effort, result
         self.seed, self.jobs = seed, jobs
 
-    def take(self, path: Array, way: float | None = None, margin: float = 0.0) -> None:
-        """Move one path apart."""
+    def take(
+        self, path: Array, way: float | None = None, margin: float = 0.0, *, patient: bool = False
+    ) -> None:
+        """Move one path apart; a patient try may take the whole budget while there is none."""
         meter, best = self.basin.survey.meter, self.result.best
         limit = np.inf if best is None else best.objective
-        meter.allow(self.effort.share)
+        meter.allow(self.effort.share if meter.found or not patient else 1.0)
         try:
             self.result.take(self.basin.repaired(path, way, _HOPE * limit, margin=margin))
         except LongError:
@@ -175,8 +177,8 @@ class _Tries:
             walks=self.effort.walks,
             jobs=self.jobs,
         )
-        for path in walks[: self.effort.refined]:
-            self.take(path)
+        for path in walks[: self.effort.refined]:  # clear at each point: the likeliest ones
+            self.take(path, patient=True)
 
     def ease(self, margins: Sequence[float]) -> None:
         """Ask for more than there must be, then for that: so bodies get past what held them."""
