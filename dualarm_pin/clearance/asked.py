@@ -169,9 +169,10 @@ def _forbidden(routes: Sequence[HandRoute], required: Array) -> tuple[ForbiddenP
         enough = max(wanted - TOLERANCE.clearance, 0.0)
         middle = float(route.values[len(route.values) // 2])
         near = np.flatnonzero(route.apart() <= wanted)
-        seen = np.array([route.distance(int(i), middle) for i in near])
-        for k, i in zip(np.argsort(seen), near[np.argsort(seen)].tolist(), strict=True):
-            if keeps(float(seen[k]), wanted):
+        seen = np.array([route.distance(i, middle) for i in near.tolist()])
+        order = np.argsort(seen)
+        for distance, i in zip(seen[order].tolist(), near[order].tolist(), strict=True):
+            if keeps(distance, wanted):
                 break
             most = route.most(i, enough)
             if most is not None:

@@ -89,9 +89,10 @@ def plan_apart(
     how, apart = EFFORTS[effort], Apart()
     if free.problem.k > LONG:
         apart = led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs, given=given)
-    if not apart.found:
-        survey.meter = Meter(free.problem, how.work, stop)
+    if not (apart.found or apart.cut):
+        survey.meter, before = Meter(free.problem, how.work, stop), apart.tried
         apart = keep_apart(basin, minima, how, seed=seed, jobs=jobs, given=given)
+        apart.tried += before
     provenance: dict[str, Any] = {
         "method": "global",
         "solver": solver,

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import itertools
+import time
 from collections.abc import Sequence
 
-import numpy as np
-
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import Apart, Effort, keep_apart
 from dualarm_pin.repair.survey import Survey
@@ -44,44 +43,48 @@ def led_by_few(
         One path, or none; after Ctrl-C what there was so far.
     """
     whole, counts = basin.survey.problem, [_FEW]
-    while counts[-1] < whole.k:
-        counts.append(min(counts[-1] << 1, whole.k))
+    while counts[-1] << 1 < whole.k:
+        counts.append(counts[-1] << 1)
     levels = [coarse_of(whole, count) for count in counts]
-    few = _on(basin, levels[0], effort, deadline)
+    few = _on(levels[0], basin.survey, effort, deadline)
     at = levels[0].points
     thinned = [(value, path[at]) for value, path in minima]
     also = [path[at] for path in given]
     apart = keep_apart(few, thinned, effort, seed=seed, jobs=jobs, given=also)
     result = Apart(tried=apart.tried, complete=apart.complete, cut=apart.cut)
+    survey = basin.survey
     try:
         for each in apart.found[:_GIVEN]:
-            path = _followed(basin, levels, each.q, effort, deadline)
-            if path is not None:
+            q = _followed(levels, each.q, survey, effort, deadline)
+            if q is None:
+                continue
+            survey.meter = Meter(whole, effort.work, deadline)
+            path = Basin(survey, between=False).repaired(q)
+            survey.meter = Meter(whole)  # what follows is a check
+            if path is not None and basin.keeps(path.q):
                 result.found = [path]
                 break
     except OverError:
-        result.complete = False
+        result.complete, result.cut = False, result.cut or time.monotonic() > deadline
     except KeyboardInterrupt:
         result.complete, result.cut = False, True
+    survey.meter = Meter(whole)
     return result
 
 
-def _on(basin: Basin, level: Coarse, effort: Effort, deadline: float) -> Basin:
+def _on(level: Coarse, survey: Survey, effort: Effort, deadline: float) -> Basin:
     """Return what moves paths of some points apart; the whole path is looked at between them."""
     meter = Meter(level.problem, effort.work, deadline)
-    return Basin(Survey(level.problem, basin.survey.pairs, meter), between=False)
+    return Basin(Survey(level.problem, survey.pairs, meter), between=False)
 
 
 def _followed(
-    basin: Basin, levels: Sequence[Coarse], q: Array, effort: Effort, deadline: float
-) -> Repaired | None:
-    """Return where ever more points follow a path of the first level, or None."""
-    path = None
+    levels: Sequence[Coarse], q: Array, survey: Survey, effort: Effort, deadline: float
+) -> Array | None:
+    """Return a start (k, n) where ever more points follow a path of the first level, or None."""
     for before, level in itertools.pairwise(levels):
-        path = _on(basin, level, effort, deadline).repaired(before.start(q)[level.points])
+        path = _on(level, survey, effort, deadline).repaired(before.start(q)[level.points])
         if path is None:
             return None
         q = path.q
-    if path is None or np.isinf(path.objective) or not basin.keeps(path.q):
-        return None
-    return path
+    return levels[-1].start(q)
