@@ -30,7 +30,7 @@ from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
 from dualarm_pin.repair.known import Known, Measured
 from dualarm_pin.repair.meter import LongError, Meter, OverError
-from dualarm_pin.repair.pool import EFFORTS, keep_apart
+from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.show.report_tables import tables_of
@@ -271,3 +271,21 @@ def test_a_long_path_is_led_apart_by_a_few_of_its_points() -> None:
     asked = asked_of(task).required
     seen = np.min([task.cell.distances(q) for q in answer.q], axis=0)
     assert np.all(seen >= asked - TOLERANCE.clearance)
+
+
+@pytest.mark.parametrize("cut", [True, False])
+def test_a_long_path_is_not_begun_anew_after_ctrl_c(
+    cut: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[int] = []
+
+    def stopped(basin: Basin, *_: object, **__: object) -> Apart:
+        begun.append(basin.survey.problem.k)
+        return Apart(tried=2, complete=False, cut=cut)
+
+    monkeypatch.setattr("dualarm_pin.repair.few.keep_apart", stopped)
+    monkeypatch.setattr("dualarm_pin.planners.apart.keep_apart", stopped)
+    task = Task.load(TASK, ["clearance=0.15", "path.corner.points=[60, 21, 60]"])
+    answer = plan_global(task, effort="quick", jobs=1)
+    assert begun == ([48] if cut else [48, 141])
+    assert answer.message.startswith(f"none of {2 if cut else 4} paths that were tried")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import os
 import subprocess
@@ -39,13 +40,11 @@ def expand_xacro(
         InputError: The file cannot be expanded, or not in reasonable time and memory, or an
             expression in it is more than arithmetic.
     """
-    try:
-        import xacrodoc  # noqa: F401
-    except ImportError as error:
+    if importlib.util.find_spec("xacrodoc") is None:
         raise MissingExtraError(
             f"{file}: xacro files need xacrodoc: pip install 'dualarm-pin[xacro]', or expand the "
             "file with `xacro in.xacro -o out.urdf`"
-        ) from error
+        )
     asked = {
         "file": str(file.absolute()),
         "arguments": {key: _text(value) for key, value in arguments.items()},
