@@ -1,6 +1,5 @@
 """The benchmark of solvers: its gates can fail, and it runs."""
 
-import importlib.util
 import json
 import subprocess
 import sys
@@ -9,6 +8,7 @@ from pathlib import Path
 
 import pytest
 from patience import LONG
+from scripts import script_of
 
 FOLDER = Path(__file__).resolve().parents[1] / "benchmarks"
 BASELINE = json.loads((FOLDER / "baseline.json").read_text())
@@ -16,11 +16,7 @@ BASELINE = json.loads((FOLDER / "baseline.json").read_text())
 
 @pytest.fixture(scope="module")
 def script():
-    spec = importlib.util.spec_from_file_location("benchmark_solvers", FOLDER / "solvers.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return script_of(FOLDER / "solvers.py")
 
 
 @pytest.fixture
@@ -71,11 +67,7 @@ def test_the_script_runs_and_draws(tmp_path):
 
 @pytest.fixture(scope="module")
 def clearance():
-    spec = importlib.util.spec_from_file_location("benchmark_clearance", FOLDER / "clearance.py")
-    module = importlib.util.module_from_spec(spec)
-    sys.modules[spec.name] = module
-    spec.loader.exec_module(module)
-    return module
+    return script_of(FOLDER / "clearance.py")
 
 
 def finished(clearance, spoil=()):

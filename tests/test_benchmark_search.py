@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import importlib.util
 import json
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
+from scripts import script_of
 
 FOLDER = Path(__file__).resolve().parents[1] / "benchmarks"
 KNOWN = json.loads((FOLDER / "best_known.json").read_text(encoding="utf-8"))
@@ -18,11 +18,7 @@ TASKS = ["--tasks", "paper_corner,circle", "--seeds", "2", "--effort", "normal"]
 @pytest.fixture
 def script(monkeypatch: pytest.MonkeyPatch) -> ModuleType:
     """The script, with a planner that finds the best known values at once."""
-    spec = importlib.util.spec_from_file_location("benchmark_search", FOLDER / "search.py")
-    assert spec is not None
-    assert spec.loader is not None
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
+    module = script_of(FOLDER / "search.py")
 
     def planned(task: object, **_: object) -> SimpleNamespace:
         k = len(task.path.position)  # type: ignore[attr-defined]

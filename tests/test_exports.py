@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import dataclasses
-import importlib.util
 import json
 import re
 import sys
@@ -19,6 +18,7 @@ from commands import Run
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from motion_cases import arm_urdf, line_result, motion_of, result_with_motion
+from scripts import script_of
 from test_cell_files import TORSO
 
 import dualarm_pin as dp
@@ -439,10 +439,7 @@ def test_the_sender_sends_what_stands_in_the_file(
         module = types.ModuleType(name)
         vars(module).update(content)
         monkeypatch.setitem(sys.modules, name, module)
-    spec = importlib.util.spec_from_file_location("send_goal", tmp_path / "send_goal.py")
-    assert spec is not None
-    sender = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(sender)
+    sender = script_of(tmp_path / "send_goal.py")
     assert sender.main(str(tmp_path / "both.goal.yaml")) == 0
     assert sent[0] == "/both_arms_controller/follow_joint_trajectory"
     assert sent[1].trajectory.joint_names[0] == "arm1_joint_1"

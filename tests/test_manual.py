@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 import subprocess
 import sys
 from pathlib import Path
 
 import pytest
+from scripts import script_of
 
 DOCS = Path(__file__).resolve().parents[1] / "docs"
 PAGES = sorted((DOCS / "manual" / "howto").glob("*.md"))
@@ -15,10 +15,7 @@ PAGES = sorted((DOCS / "manual" / "howto").glob("*.md"))
 
 @pytest.fixture(scope="module")
 def run_page():
-    spec = importlib.util.spec_from_file_location("run_page", DOCS / "run_page.py")
-    module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return script_of(DOCS / "run_page.py")
 
 
 @pytest.mark.slow

@@ -14,7 +14,8 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Problem
-from dualarm_pin.repair.survey import Contacts, Survey
+from dualarm_pin.repair.contacts import Contacts
+from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import REACH, asked_apart, cuts, on_planes, witness_table
 from dualarm_pin.solution import Solution
 from dualarm_pin.tolerance import TOLERANCE

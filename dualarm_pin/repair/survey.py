@@ -6,7 +6,6 @@ Capsules around the bodies say which pairs can be near at all; only those are me
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import NamedTuple
 
 import coal
 import numpy as np
@@ -14,75 +13,17 @@ import pinocchio as pin
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.cell.solids import Solids
-from dualarm_pin.chain import Integers
 from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
+from dualarm_pin.repair.contacts import Contacts, Found
 from dualarm_pin.repair.known import Hulls, Known, Measured
 from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
-from dualarm_pin.tolerance import TOLERANCE
 
 _CLEAR = 0.01  # m: meshes that keep so much more have no rows until they come nearer
 _SURE = 1e-6  # m: nearer points say nothing of a direction
-
-
-class Contacts(NamedTuple):
-    """Pairs that come near at points of a path; c of them.
-
-    Attributes:
-        point: (c,) where.
-        pair: (c,) which of the pairs that were asked for.
-        distance: (c,) [m], negative in collision.
-        lack: (c,) what is missing to the distance that is required [m].
-        first: (c, 3) nearest point of the first body, in the frame of its joint [m].
-        second: (c, 3) nearest point of the second body, in the frame of its joint [m].
-        normal: (c, 3) unit vector from the first to the second body, in the frame of the first.
-        exact: (c,) the nearest points of meshes, whose hulls are nearer.
-    """
-
-    point: Integers
-    pair: Integers
-    distance: Array
-    lack: Array
-    first: Array
-    second: Array
-    normal: Array
-    exact: Flags
-
-    def take(self, which: Flags | Integers) -> Contacts:
-        """Return some of the contacts."""
-        return Contacts._make([array[which] for array in self])
-
-    def joined(self, other: Contacts) -> Contacts:
-        """Return these contacts and others, by points."""
-        both = [np.concatenate(pair) for pair in zip(self, other, strict=True)]
-        order = np.argsort(both[0], kind="stable")
-        return Contacts._make([array[order] for array in both])
-
-    @property
-    def kept(self) -> Flags:
-        """Which contacts keep what is required, within the tolerance (c,)."""
-        enough = self.lack <= TOLERANCE.clearance
-        return np.asarray((self.distance > 0.0) & enough)
-
-    @property
-    def worst(self) -> float:
-        """The largest lack [m]; minus infinity where no pair is near."""
-        return float(np.max(self.lack, initial=-np.inf))
-
-
-class _Found(NamedTuple):
-    """One contact; points and direction in the world."""
-
-    point: int
-    pair: int
-    distance: float
-    exact: bool
-    first: Array
-    second: Array
-    normal: Array
 
 
 class Survey:
@@ -144,7 +85,7 @@ class Survey:
             extra: As of `contacts`.
             enough: As of `contacts`.
         """
-        found: list[_Found] = []
+        found: list[Found] = []
         placed, asked = self.placements(q), np.tile(self.pairs.required, (len(q), 1))
         if extra is not None:
             asked = asked + extra.T
@@ -167,7 +108,7 @@ class Survey:
             if hulls >= required + reach:
                 continue
             ends = result.getNearestPoint1(), result.getNearestPoint2()
-            contact = _Found(i, pair, hulls, False, *ends, result.normal)
+            contact = Found(i, pair, hulls, False, *ends, result.normal)
             if hulls < required:
                 most = required + min(reach, _CLEAR)
                 least, met, same = self._known[pair].least(poses[c])
@@ -190,7 +131,7 @@ class Survey:
                         self._data.oMi[joint].act(point)
                         for joint, point in zip(self._joint[pair], same[1:], strict=True)
                     )
-                    contact = _Found(i, pair, same.distance, True, one, two, one)
+                    contact = Found(i, pair, same.distance, True, one, two, one)
             found.append(contact)
             if self.pairs.required[pair] - contact.distance > enough:
                 return self._record(found, placed, extra)
@@ -238,7 +179,7 @@ class Survey:
 
     def _record(
         self,
-        found: list[_Found],
+        found: list[Found],
         placed: Array,
         extra: Array | None,
     ) -> Contacts:

@@ -11,7 +11,8 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.repair.bodies import OFF_CHAIN, in_segment, turned
-from dualarm_pin.repair.survey import Contacts, Survey
+from dualarm_pin.repair.contacts import Contacts
+from dualarm_pin.repair.survey import Survey
 from dualarm_pin.rows.table import PLANE_POINT, RowTable, pair_table
 
 REACH = 0.06  # m beyond the required distance that have rows; what comes nearer is added later
