@@ -112,26 +112,28 @@ def test_every_reachable_speed_is_that_of_a_linear_programme(seed: int) -> None:
     assert np.allclose(x, forward, rtol=1e-6, atol=1e-9)
 
 
-@LINUX
-def test_durations_are_those_of_toppra_on_thirty_paths() -> None:
+def by_toppra(places, way, s, velocity, acceleration, *more):
+    """Return the duration that toppra finds on a spline from rest to rest."""
     toppra = pytest.importorskip("toppra")
     toppra.setup_logging("ERROR")
+    limits = [
+        toppra.constraint.JointVelocityConstraint(velocity),
+        toppra.constraint.JointAccelerationConstraint(acceleration, discretization_scheme=1),
+    ]
+    theirs = toppra.algorithm.TOPPRA(
+        [*limits, *more], toppra.SplineInterpolator(places, way), gridpoints=s
+    )
+    theirs.compute_parameterization(0.0, 0.0)
+    return duration(s, theirs.problem_data.sd_vec**2)
+
+
+@LINUX
+def test_durations_are_those_of_toppra_on_thirty_paths() -> None:
     for seed in range(30):
         s, rows, most, (places, way, velocity, acceleration) = random_path(seed)
         code, x = fastest(s, rows, most, True)
-        theirs = toppra.algorithm.TOPPRA(
-            [
-                toppra.constraint.JointVelocityConstraint(velocity),
-                toppra.constraint.JointAccelerationConstraint(
-                    acceleration, discretization_scheme=1
-                ),
-            ],
-            toppra.SplineInterpolator(places, way),
-            gridpoints=s,
-        )
-        theirs.compute_parameterization(0.0, 0.0)
         assert code == -1
-        expected = duration(s, theirs.problem_data.sd_vec**2)
+        expected = by_toppra(places, way, s, velocity, acceleration)
         assert duration(s, x) == pytest.approx(expected, rel=5e-3)
 
 
@@ -163,7 +165,6 @@ def with_torque(cell: Cell, seed: int):
 @LINUX
 def test_durations_with_torque_are_those_of_toppra_on_twelve_paths(cell: Cell) -> None:
     toppra = pytest.importorskip("toppra")
-    toppra.setup_logging("ERROR")
     assert not cell.massless_joints
     model, data, to_model = cell.model, cell.data(), cell.joint_map.T
 
@@ -181,25 +182,14 @@ def test_durations_with_torque_are_those_of_toppra_on_twelve_paths(cell: Cell) -
         code, x = fastest(s, limit_rows(curve, limits, Torques(cell, 0.0), s), most, True)
         free = replace(limits, kinds=("velocity", "acceleration"))
         _, light = fastest(s, limit_rows(curve, free, Torques(cell, 0.0), s), most, True)
-        theirs = toppra.algorithm.TOPPRA(
-            [
-                toppra.constraint.JointVelocityConstraint(limits.velocity),
-                toppra.constraint.JointAccelerationConstraint(
-                    limits.acceleration, discretization_scheme=1
-                ),
-                toppra.constraint.JointTorqueConstraint(
-                    torque,
-                    np.stack([-limits.torque, limits.torque], axis=1),
-                    np.zeros(cell.n),
-                    discretization_scheme=1,
-                ),
-            ],
-            toppra.SplineInterpolator(places, way),
-            gridpoints=s,
-        )
-        theirs.compute_parameterization(0.0, 0.0)
         assert code == -1
-        expected = duration(s, theirs.problem_data.sd_vec**2)
+        most_torque = toppra.constraint.JointTorqueConstraint(
+            torque,
+            np.stack([-limits.torque, limits.torque], axis=1),
+            np.zeros(cell.n),
+            discretization_scheme=1,
+        )
+        expected = by_toppra(places, way, s, limits.velocity, limits.acceleration, most_torque)
         assert duration(s, x) == pytest.approx(expected, rel=1e-4)
         slower.append(duration(s, x) / duration(s, light))
     assert min(slower) > 1.05  # torque holds every one of them back
