@@ -19,10 +19,10 @@ SPOT = """(part) => { const d = dualarm.design, g = d.gizmo, T = MeshCat.THREE, 
 # driver does meanwhile.
 _DRAG = """([x, y, ms]) => new Promise((done) => {
   const d = dualarm.design, canvas = d.gizmo.stage.viewer.renderer.domElement;
-  const begun = performance.now(), before = d.ages.length, pointerId = d.gizmo.held.id;
+  const begun = performance.now(), before = d.drawing.ages.length, pointerId = d.gizmo.held.id;
   const timer = setInterval(() => {
     const t = performance.now() - begun, a = 2 * Math.PI * t / 4000;
-    if (t > ms) { clearInterval(timer); done(d.ages.slice(before)); return; }
+    if (t > ms) { clearInterval(timer); done(d.drawing.ages.slice(before)); return; }
     const at = {clientX: x - 60 * Math.sin(a), clientY: y - 15 * Math.sin(a)};
     canvas.dispatchEvent(new PointerEvent("pointermove", {bubbles: true, pointerId, ...at}));
   }, 1000 / 60); })"""

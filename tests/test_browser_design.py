@@ -213,7 +213,8 @@ def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stand
     least = np.min(np.array(distances)[:, cell.apart_by_nature])
     assert least > 0.0
     assert near["distance"] == pytest.approx(least, abs=1e-6)
-    assert f"{least:.3f} m at point" in view.page.inner_text("#desk .near")
+    # Words are written a few times a second.
+    until(view, f"d.near.textContent.startsWith('{least:.3f} m at point')")
     view.do("dualarm.design.set({'base2.x': 4.0})")
     until(view, "!d.shown.valid")
     assert view.do("dualarm.player.stage.element.classList.contains('stale')")
@@ -225,20 +226,53 @@ def test_while_a_motion_follows_its_clearance_is_measured_and_what_is_lost_stand
     view.do("dualarm.design.commit()")
 
 
+def test_while_something_is_dragged_words_wait_and_the_picture_does_not(view):
+    x, y = view.page.evaluate(SPOT, "x")
+    view.page.mouse.move(x, y)
+    view.page.mouse.down()
+    view.do("""(() => { const d = dualarm.design, tell = d.tellNow.bind(d), show = d.show.bind(d);
+      window.told = window.came = 0;
+      d.tellNow = () => { window.told += 1; tell(); };
+      d.show = (...given) => { window.came += 1; show(...given); }; })()""")
+    begun = view.do("performance.now()")
+    for k in range(30):
+        view.page.mouse.move(x - 2 * k, y)
+    until(view, "window.came >= 8")
+    seconds = (view.do("performance.now()") - begun) / 1000
+    assert view.do("window.told") <= 1 + 4 * seconds
+    view.page.mouse.up()
+    view.do("delete dualarm.design.tellNow; delete dualarm.design.show; dualarm.design.idle()")
+    now = state(view)["change"]["base2.x"]
+    assert view.do("dualarm.design.fields.x.valueAsNumber") == pytest.approx(2.5 + now, abs=1e-3)
+
+
+def test_a_pose_that_is_too_old_when_it_would_be_drawn_is_left_out_while_newer_ones_come(view):
+    view.do("""(() => { const d = dualarm.design, w = d.drawing;
+      d.moving = true; w.has(performance.now() - 200); window.before = d.player.frames; })()""")
+    view.do("dualarm.design.drawing.draw()")
+    assert view.do("dualarm.design.player.frames") == view.do("window.before")
+    assert view.do("dualarm.design.drawing.behind") == 1
+    # Nothing newer comes: then it is the best there is.
+    view.do("dualarm.design.moving = false; dualarm.design.drawing.has(performance.now() - 200)")
+    view.do("dualarm.design.drawing.draw()")
+    assert view.do("dualarm.design.player.frames") > view.do("window.before")
+    assert view.do("dualarm.design.drawing.behind") == 0
+
+
 def test_what_would_be_seen_too_late_is_not_drawn(view):
     two = "dualarm.design.set({{'base2.x': {}}}); dualarm.design.set({{'base2.x': {}}})"
-    view.do("(dualarm.design.late = 0, DA.oldest = 1e9)")
+    view.do("(dualarm.design.drawing.late = 0, DA.oldest = 1e9)")
     view.do(two.format(0.01, 0.02))  # the second waits for the answer to the first
     until(view, "d.shown.state.change['base2.x'] === 0.02 && !d.busy")
-    assert view.do("dualarm.design.late") == 0
+    assert view.do("dualarm.design.drawing.late") == 0
     view.do("(DA.oldest = 0)")  # everything is too late now, but what nothing newer follows
     for k in range(20):  # a look at the search may be on its way: then nothing waits
         last = 0.04 + 0.01 * (k % 2)
         view.do(two.format(0.03, last))
         until(view, f"d.shown.state.change['base2.x'] === {last} && !d.busy")
-        if view.do("dualarm.design.late"):
+        if view.do("dualarm.design.drawing.late"):
             break
-    assert view.do("dualarm.design.late") == 1
+    assert view.do("dualarm.design.drawing.late") == 1
     view.do("(DA.oldest = 150)")
     view.do("dualarm.design.commit(); dualarm.design.idle()")
 

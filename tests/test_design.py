@@ -6,7 +6,7 @@ import numpy as np
 import pinocchio as pin
 import pytest
 
-from dualarm_pin.design import Session
+from dualarm_pin.design import Session, pool
 from dualarm_pin.errors import InputError, ShapeError, UnknownNameError
 from dualarm_pin.solvers import interior_point as engine
 
@@ -28,6 +28,25 @@ def test_the_motion_follows_the_base_to_where_another_basin_is_best(task, sessio
     assert moved.problem().objective(answer.q) == pytest.approx(answer.objective, rel=1e-8)
     assert answer.search_due
     assert session.search().search_due == ""
+
+
+def test_in_a_hurry_the_best_is_always_of_now_and_the_others_take_turns(session, monkeypatch):
+    solved = []
+    solve = pool.solve
+    counted = lambda *args, **more: solved.append(1) or solve(*args, **more)  # noqa: E731
+    monkeypatch.setattr(pool, "solve", counted)
+    first, counts = session.answer.basin, []
+    for x in np.linspace(2.5, 3.0, 26):
+        solved.clear()
+        answer = session.move(base2_x=x, hurried=True)
+        counts.append(len(solved))
+        there = session.moved_task().problem()
+        assert there.objective(answer.q) == pytest.approx(answer.objective, rel=1e-8)
+    assert np.median(counts) <= 3 < len(answer.pool)
+    assert answer.basin != first
+    assert answer.objective == pytest.approx(13.1956, abs=1e-3)
+    at_rest = session.move(base2_x=3.0)  # all of them again: none is better
+    assert at_rest.objective == pytest.approx(answer.objective, rel=1e-6)
 
 
 def test_a_pose_moves_the_base_like_its_coordinates_do(session):

@@ -48,8 +48,9 @@ class Client:
             return answer.status, data.decode()
         return 200, unpacked(data) if data[:1] != b"{" else json.loads(data)
 
-    def move(self, page=0, search=False, motion=None, **state):
+    def move(self, page=0, search=False, motion=None, hurried=False, **state):
         message = {"page": page, "state": STATE | state, "search": search, "motion": motion}
+        message["hurried"] = hurried
         return self.ask("/move", message)
 
     def searched(self, page=0):
@@ -63,7 +64,7 @@ class Client:
 def unpacked(data):
     size = int.from_bytes(data[:4], "little")
     head = json.loads(data[4 : 4 + size])
-    for name in ("q", "index"):
+    for name in {"q", "index"} & head.keys():
         at, shape = head[name]["at"], head[name]["shape"]
         count = int(np.prod(shape))
         head[name] = np.frombuffer(data, "<f4", count, 4 + size + at).reshape(shape)
@@ -140,6 +141,18 @@ def test_an_impossible_place_shows_the_last_valid_motion_says_why_and_is_not_sav
     assert (status, "nothing is found here yet" in said) == (400, True)
     back = client.move()[1]
     assert back["objective"] == pytest.approx(valid["objective"], rel=1e-5)
+
+
+def test_a_page_that_has_the_frame_is_told_only_whether_the_search_goes_on(client):
+    frame = client.move(search=True)[1]
+    client.searched()
+    now = client.ask("/look", {"page": 0})[1]
+    assert now["frame"] > frame["frame"]  # what was found is another one
+    again = client.ask("/look", {"page": 0, "frame": now["frame"]})[1]
+    assert again == {"frame": now["frame"], "same": True, "searching": False}
+    assert "objective" in client.ask("/look", {"page": 0, "frame": frame["frame"]})[1]
+    moved = client.move(change={"base2.x": 0.01}, hurried=True)[1]
+    assert moved["frame"] > now["frame"]
 
 
 def test_two_pages_do_not_move_each_other(client):

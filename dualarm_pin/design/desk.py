@@ -59,6 +59,7 @@ class Desk:
         state: Where things stand.
         found: What the last search found, anywhere; None before it ends.
         lock: Held while the session is used.
+        frame: Number of what there is to show: another one after every change.
 
     Raises:
         InputError: No start reaches the whole path where the cell stands.
@@ -75,7 +76,7 @@ class Desk:
         self.session = Session(task, seed=seed, jobs=jobs)
         self.state = State(smoothness=task.smoothness)
         self.found: Found | None = None
-        self.lock = threading.RLock()
+        self.lock, self.frame = threading.RLock(), 0
         self._searcher = searcher or Searcher(seed, jobs, process=False)
         self._asked = (task.smoothness, dict[str, tuple[float, float]]())
         self._last = self.session.answer.q
@@ -100,19 +101,28 @@ class Desk:
         """What was found where things stand now, if the search has been here."""
         return self.found if self.found is not None and self.found.state == self.state else None
 
-    def move(self, state: State, *, search: bool = False, motion: int | None = None) -> None:
+    def move(
+        self,
+        state: State,
+        *,
+        search: bool = False,
+        motion: int | None = None,
+        hurried: bool = False,
+    ) -> None:
         """Follow to another state.
 
         Args:
             state: Where everything stands.
             search: Whether the full search runs there; it also runs where the session asks.
             motion: Number of a motion that was found before and may be good here.
+            hurried: Follow the best motion and one of the others in turn, not all of them.
 
         Raises:
             InputError: The cell has no such parameter or joint, or a value is no value for it.
         """
         with self.lock:
-            self._go(state)
+            self.frame += 1
+            self._go(state, hurried)
             if motion in self._motions:
                 self.session.consider(self._motions[motion][None])
             if not self.answer.valid:
@@ -145,7 +155,7 @@ class Desk:
         if thread is not None:
             thread.join(seconds)
 
-    def _go(self, state: State) -> None:
+    def _go(self, state: State, hurried: bool) -> None:
         cell, known = self.session.task.cell, self.answer.change
         for name in state.change:
             if name not in known:
@@ -160,7 +170,8 @@ class Desk:
             self._asked = asked
         if state.change != self.state.change:
             places = {name: stands(cell, name) + state.change.get(name, 0.0) for name in known}
-            self.session.move(**{n.replace(".", "_", 1): v for n, v in places.items()})
+            named = {name.replace(".", "_", 1): value for name, value in places.items()}
+            self.session.move(hurried=hurried, **named)
         self.state = state
 
     def _search(self) -> None:
@@ -195,3 +206,4 @@ class Desk:
             if self.answer.valid:
                 self._last = self.answer.q
         self.found = Found(number, state, task, outcome)
+        self.frame += 1

@@ -40,6 +40,16 @@ class Asked(Spec):
     page: int
 
 
+class Look(Asked):
+    """Whether a search has found anything.
+
+    Attributes:
+        frame: Number of the frame that the page has; one that is no other is not sent again.
+    """
+
+    frame: int | None = None
+
+
 class Move(Asked):
     """Something has moved.
 
@@ -47,11 +57,13 @@ class Move(Asked):
         state: Where everything stands.
         search: Whether the full search should run there.
         motion: Number of a motion that was found before and may be good here.
+        hurried: Whether answers come too slowly: then less of the pool is followed.
     """
 
     state: State
     search: bool = False
     motion: int | None = None
+    hurried: bool = False
 
 
 def asked(kind: type[AskedT], body: bytes) -> AskedT:

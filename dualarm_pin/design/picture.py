@@ -27,16 +27,24 @@ class Pictures:
         known = bool(cell.pairs) and not cell.missing_meshes
         self._distances = Distances(cell, h) if known else None
 
-    def frame(self) -> bytes:
-        """Return the motion where things stand, with all that the panels say."""
+    def frame(self, known: int | None = None) -> bytes:
+        """Return the motion where things stand, with all that the panels say.
+
+        Args:
+            known: Number of a frame that the page has: if that is still all, only this is said.
+        """
         desk = self.desk
         with desk.lock:
+            number, searching = desk.frame, desk.searching
+            if number == known:
+                return Blob().pack({"frame": number, "same": True, "searching": searching})
             answer, here, task = desk.answer, desk.here, desk.task_here()
-            searching, clearance = desk.searching, desk.state.clearance
+            clearance = desk.state.clearance
         found = here is not None and here.outcome.trajectory.found
         q = here.outcome.trajectory.q if here is not None and found else answer.q
         blob = Blob()
         head: dict[str, Any] = {
+            "frame": number,
             "valid": found or answer.valid,
             "why": answer.why if not answer.valid else "",
             "objective": float(answer.objective),

@@ -22,6 +22,7 @@ Array = NDArray[np.float64]
 
 _WARM = Options.warm(iterations=60)
 _AGAIN = Options(iterations=100, mu0=1e-2, push=1e-3)  # where a warm solve failed
+_TURN = 2  # members followed in a hurry: the best, and one of the others in turn
 _POSTURES, _REFINED = 200, 10  # at each of three points; the best of them over the whole path
 _ROUGH = Options(tolerance=1e-4, iterations=60)
 _KEY = 50  # of the generator
@@ -34,10 +35,12 @@ class Member:
     Attributes:
         number: Its number since the session began; it keeps it while it is followed.
         solution: Joints, objective and multipliers.
+        change: The last change that it followed.
     """
 
     number: int
     solution: Solution
+    change: int
 
 
 class Pool:
@@ -47,21 +50,37 @@ class Pool:
         self.size = size
         self.members: tuple[Member, ...] = ()
         self.lost = 0  # members that did not survive the last change
-        self._numbered = 0
+        self._numbered = self._changes = 0
 
-    def follow(self, problem: Problem) -> None:
-        """Solve every member again where things stand now; drop what fails or meets another."""
-        ends = []
-        for member in self.members:
-            old = member.solution
-            new = solve(problem, old.q, _WARM, warm=old.multipliers)
-            if not new.converged:
-                new = solve(problem, old.q, _AGAIN)
-            if new.converged:
-                ends.append(Member(member.number, new))
-        before = len(self.members)
+    def follow(self, problem: Problem, *, whole: bool = True) -> None:
+        """Solve members again where things stand now; drop what fails or meets another.
+
+        Args:
+            problem: Where things stand.
+            whole: Every member; else the best, the one that has waited longest, and those that
+                were better where they were last seen: the best is always of now.
+        """
+        before, ends = len(self.members), list[Member]()
+        self._changes += 1
+        waiting = list(self.members)  # best first
+        if not whole and waiting:
+            waiting.sort(key=lambda member: (member is not self.members[0], member.change))
+        for count, member in enumerate(waiting):
+            best = min((end.solution.objective for end in ends), default=np.inf)
+            if whole or count < _TURN or member.solution.objective < best:
+                ends += self._followed(problem, member)
+            else:
+                ends.append(member)
         self._keep(ends)
         self.lost = before - len(self.members)
+
+    def _followed(self, problem: Problem, member: Member) -> list[Member]:
+        """Return a member where things stand now; nothing where it has ended."""
+        old = member.solution
+        new = solve(problem, old.q, _WARM, warm=old.multipliers)
+        if not new.converged:
+            new = solve(problem, old.q, _AGAIN)
+        return [Member(member.number, new, self._changes)] if new.converged else []
 
     def add(self, problem: Problem, paths: Array) -> None:
         """Add minima found elsewhere, as joints (s, k, n)."""
@@ -72,7 +91,7 @@ class Pool:
             end = solve(problem, q, Options(mu0=1e-4, push=1e-6))
             if end.converged and not end.saddle:
                 self._numbered += 1
-                members.append(Member(self._numbered, end))
+                members.append(Member(self._numbered, end, self._changes))
         self._keep(members)
 
     def _keep(self, members: list[Member]) -> None:

@@ -14,7 +14,9 @@ import signal
 import subprocess
 import sys
 import threading
+from contextlib import suppress
 from multiprocessing.connection import Connection
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from dualarm_pin.answer.trajectory import Trajectory
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _GIVES_WAY = 10  # niceness of the searching process
+_GROUP = Path("/proc/self/autogroup")  # Linux shares processors among sessions first
 _PATIENCE = 5.0  # s for it to end when told to
 # Not `multiprocessing`, which would run the user's script again in the process.
 _PROGRAM = (
@@ -120,6 +123,9 @@ def serve(number: int) -> None:
     """
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is for the program that was started
     os.nice(_GIVES_WAY)
+    os.setsid()  # the browser is a session of its own, and what follows must not wait for a search
+    with suppress(OSError):
+        _GROUP.write_text(str(_GIVES_WAY))
     pipe = Connection(number)
     while True:
         try:

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from dualarm_pin.design.desk import Desk
-from dualarm_pin.design.messages import Asked, Move, asked
+from dualarm_pin.design.messages import Asked, Look, Move, asked
 from dualarm_pin.design.picture import Pictures, index_along
 from dualarm_pin.design.searcher import Searcher
 from dualarm_pin.errors import InputError
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _PAGES = 8  # kept at once
-_SCRIPTS = ("gizmo.js", "design.js", "design_panel.js")
+_SCRIPTS = ("gizmo.js", "drawing.js", "design.js", "design_panel.js")
 
 
 class Pages:
@@ -99,11 +99,12 @@ class Pages:
     def _move(self, body: bytes) -> bytes:
         wish = asked(Move, body)
         page = self._page(wish.page)
-        page.desk.move(wish.state, search=wish.search, motion=wish.motion)
+        page.desk.move(wish.state, search=wish.search, motion=wish.motion, hurried=wish.hurried)
         return page.frame()
 
     def _look(self, body: bytes) -> bytes:
-        return self._page(asked(Asked, body).page).frame()
+        look = asked(Look, body)
+        return self._page(look.page).frame(known=look.frame)
 
     def _save(self, body: bytes) -> bytes:
         self._page(asked(Asked, body).page).desk.save(self._folder)

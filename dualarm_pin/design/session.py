@@ -78,11 +78,14 @@ class Session:
         self._occasion.seen(self._pool, self._problem)
         self.answer = self._answered("")
 
-    def move(self, base2: pin.SE3 | None = None, **change: float) -> Answer:
+    def move(
+        self, base2: pin.SE3 | None = None, *, hurried: bool = False, **change: float
+    ) -> Answer:
         """Move something and follow with the motion.
 
         Args:
             base2: Pose of base 2 in the cell; turned about the vertical at most.
+            hurried: Follow the best motion and one of the others in turn, not all of them.
             **change: Parameters with `_` for `.`, such as `base2_x=2.4` (in the world),
                 `base2_yaw=3.1`, `workpiece_z=0.02`, `tool2_length=0.05` (from where they were).
 
@@ -100,7 +103,7 @@ class Session:
             if not np.isfinite(value):
                 raise InputError(f"is {value}, not a finite number", field=given)
             values[name] = float(value) - stands(self.task.cell, name)
-        return self._go(np.array([values[name] for name in self._names]))
+        return self._go(np.array([values[name] for name in self._names]), hurried=hurried)
 
     def set(
         self,
@@ -179,10 +182,10 @@ class Session:
         self._occasion.searched(self._values)
         return global_minima(self._problem, self._seed, self._searches, self._jobs)
 
-    def _go(self, values: Array) -> Answer:
+    def _go(self, values: Array, *, hurried: bool = False) -> Answer:
         self._values = values
         self._problem.chain.parameters[:] = values
-        self._pool.follow(self._problem)
+        self._pool.follow(self._problem, whole=not hurried)
         self.answer = self._answered(self._occasion.due(self._pool, self._problem, values))
         return self._told()
 

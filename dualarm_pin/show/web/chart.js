@@ -94,6 +94,7 @@ DA.Chart = class {
     this.Y = Y;
     this.svg.setAttribute("viewBox", `0 0 ${w} ${h}`);
     this.svg.replaceChildren(...parts);
+    this.moved = null;
     this.move(this.at);
   }
 
@@ -126,9 +127,11 @@ DA.Chart = class {
     this.at = t;
     if (!this.X) return;
     const x = this.toX(t), s = this.spec.series[this.active < 0 ? 0 : this.active];
+    const v = s && this.value(s, t), now = `${x} ${v}`;
+    if (this.moved === now) return; // the same numbers would be painted again too
+    this.moved = now;
     this.cursor.setAttribute("x1", x);
     this.cursor.setAttribute("x2", x);
-    const v = s && this.value(s, t);
     this.dot.setAttribute("visibility", Number.isFinite(v) ? "visible" : "hidden");
     if (Number.isFinite(v)) {
       this.dot.setAttribute("cx", x);

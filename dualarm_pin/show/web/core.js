@@ -47,6 +47,24 @@ DA.shade = function (x) {
   return DA.viridis[k].map((a, i) => (a + f * (DA.viridis[k + 1][i] - a)) / 255);
 };
 
+// f, called at once where it has rested for `ms`, else once later, for all calls meanwhile; `.now()`
+// does not wait. Words that change with every picture cost more than the picture.
+DA.seldom = function (f, ms) {
+  let last = -Infinity, timer = null;
+  const now = () => {
+    clearTimeout(timer);
+    timer = null;
+    last = performance.now();
+    f();
+  };
+  const call = () => {
+    const left = last + ms - performance.now();
+    if (left <= 0) now();
+    else timer = timer ?? setTimeout(now, left);
+  };
+  return Object.assign(call, { now });
+};
+
 DA.number = function (x, digits = 3) {
   if (x === null || x === undefined || !Number.isFinite(x)) return "–";
   const size = Math.abs(x);

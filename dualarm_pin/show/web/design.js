@@ -3,13 +3,13 @@
 //   set(change)    move: {"base2.x": 0.1, ...} from where the cell stood [m, rad]; then commit()
 //   commit()       end of a change: the full search runs, and `undo` comes back to before it
 //   undo() redo() idle()  idle: a promise, done when nothing is asked and no search runs
-//   shown          what stands in the panels; `ages`: ms from each pose to its picture
-//   late           answers that were not shown, because a newer pose waited and they were too old
-DA.oldest = 150; // ms; a pose older than this is not shown while newer ones come
+//   shown          what came back last
+//   drawing        see drawing.js; `ages`: ms from each pose to its picture, `late`: how many were left
+//                  out while newer ones came, because they were too old
 DA.Design = class {
   constructor(player, head) {
     const task = head.design;
-    Object.assign(this, { player, head, task, history: [], future: [], variants: [], ages: [], late: 0, behind: 0, drawing: 20, shown: null });
+    Object.assign(this, { player, head, task, history: [], future: [], variants: [], shown: null });
     this.state = { change: {}, smoothness: task.smoothness, clearance: null, limits: {} };
     for (const name of task.parameters) this.state.change[name] = 0;
     this.view = player.on_stage[0];
@@ -17,6 +17,9 @@ DA.Design = class {
     this.range = player.range();
     this.motion = null; // number of the motion that was found here
     this.target = this.has("base2") ? "base2" : "workpiece";
+    this.drawing = new DA.Drawing(player, () => this.moving);
+    this.tellLess = DA.seldom(() => this.tellNow(), DA.words);
+    this.markLess = DA.seldom(() => this.markNow(), DA.words);
     this.gizmo = new DA.Gizmo(player.stage, player.reach * 0.2, {
       begin: () => this.begin(),
       move: (at) => this.dragged(at),
@@ -140,38 +143,37 @@ DA.Design = class {
   }
 
   async talk() {
-    this.busy = true;
+    this.busy = this.moving = true;
     clearTimeout(this.later);
     try {
       while (this.waiting) {
         const { at, ...wish } = this.waiting, state = structuredClone(this.state);
         this.waiting = null;
-        const bytes = await this.post("/move", { state, ...wish });
+        const sent = performance.now(), bytes = await this.post("/move", { state, hurried: this.drawing.hurried(), ...wish });
+        this.drawing.answered(performance.now() - sent);
         // While more is moved, what would be seen too late is not drawn: the next is on its way.
-        const late = this.waiting && performance.now() - at + this.drawing > DA.oldest;
-        this.behind = late ? this.behind + 1 : 0;
-        if (late) this.overtaken();
+        if (this.waiting && this.drawing.tooOld(at)) this.overtaken();
         else this.show(bytes, state, at);
+        if (this.waiting) await this.drawing.mayAsk();
       }
       if (this.shown.searching) this.later = setTimeout(() => this.lookAgain(), 100);
     } catch (error) {
       this.fail(error);
     }
-    this.busy = false;
+    this.busy = this.moving = false;
   }
 
   overtaken() {
-    this.late += 1;
-    this.drawing *= 0.8; // or one slow picture would keep all that follow away
-    if (this.behind > 3) this.tell();
+    this.drawing.leaveOut();
+    if (this.drawing.behind > 3) this.tell();
   }
 
   async lookAgain() {
     if (this.busy) return;
     this.busy = true;
     try {
-      const state = structuredClone(this.state), bytes = await this.post("/look", {});
-      if (!this.waiting) this.show(bytes, state, null);
+      const state = structuredClone(this.state), bytes = await this.post("/look", { frame: this.shown.frame });
+      if (!this.waiting) this.look(bytes, state);
     } catch (error) {
       this.fail(error);
     }
@@ -180,10 +182,21 @@ DA.Design = class {
     else if (this.shown && this.shown.searching) this.later = setTimeout(() => this.lookAgain(), 100);
   }
 
+  // What the search has come to meanwhile; nothing is drawn for nothing new.
+  look(bytes, state) {
+    const { same, searching } = DA.unpack(bytes);
+    if (!same) this.show(bytes, state, null);
+    else if (this.shown.searching !== searching) {
+      this.shown.searching = searching;
+      this.tell();
+    }
+  }
+
   fail(error) {
     this.broken = error.message === "Failed to fetch" ? "The server has ended: start dualarm-pin design again." : error.message;
     this.waiting = null;
     if (this.shown) this.shown.searching = false;
+    this.player.stage.draw(); // one that was left out is the last now
     this.tell();
   }
 
@@ -203,22 +216,13 @@ DA.Design = class {
     view.q.set(head.array(head.q));
     view.index.set(head.array(head.index));
     this.stand(state.change);
-    view.poseEnds();
     DA.recolour(view.marks.path[0], view.index, this.range);
     player.stage.element.classList.toggle("stale", !head.valid);
     player.seek(player.t);
     this.placeGizmo();
-    if (asked !== null) this.seen(asked, performance.now());
-    this.tell();
-  }
-
-  // The picture is drawn in the next frame, and out when the one after that begins.
-  seen(asked, from) {
-    requestAnimationFrame(() => requestAnimationFrame(() => {
-      this.ages.push(performance.now() - asked);
-      // The slowest of late: a mean would let every other picture come too late.
-      this.drawing = Math.min(Math.max(0.9 * this.drawing, performance.now() - from), 0.7 * DA.oldest);
-    }));
+    if (asked !== null) this.drawing.has(asked);
+    if (before && before.valid !== head.valid) this.tellLess.now();
+    else this.tell();
   }
 
   // Base, tool and workpiece where the shown motion has them.

@@ -133,8 +133,13 @@ Object.assign(DA.Design.prototype, {
     });
   },
 
-  // How things stand: after every change.
+  // How things stand: after every change, while something is dragged a few times a second.
   mark() {
+    if (this.gizmo.held) this.markLess();
+    else this.markLess.now();
+  },
+
+  markNow() {
     for (const button of this.desk.querySelectorAll("[data-target]")) button.setAttribute("aria-pressed", String(button.dataset.target === this.target));
     for (const [axis, input] of Object.entries(this.fields)) {
       const name = `${this.target}.${axis}`, there = name in this.state.change;
@@ -148,8 +153,13 @@ Object.assign(DA.Design.prototype, {
     this.redoButton.disabled = !this.future.length;
   },
 
-  // What came back: in the panels.
+  // What came back, in the panels; the same. (`before` is set from begin to commit.)
   tell() {
+    if (this.before && !this.broken) this.tellLess();
+    else this.tellLess.now();
+  },
+
+  tellNow() {
     const { shown, start } = this, n = DA.h;
     if (this.broken || !shown) {
       this.status.textContent = this.broken || "…";
@@ -158,7 +168,7 @@ Object.assign(DA.Design.prototype, {
     }
     const { found } = shown, sure = Boolean(found && found.found && shown.valid), short = shown.near && shown.near.lacking;
     this.status.dataset.kind = sure ? "found" : shown.valid ? "follows" : "bad";
-    this.status.textContent = sure ? `Found and checked${shown.searching ? "; still searching" : ""}` : shown.valid ? `Best motion known${short ? ", nearer than required" : ""}${this.behind > 3 ? ", falls behind what is moved" : ""}; ${shown.searching ? "searching" : "not searched here"}` : `No motion here${shown.searching ? " yet" : ""}: ${shown.why}. Grey: the last valid motion.`;
+    this.status.textContent = sure ? `Found and checked${shown.searching ? "; still searching" : ""}` : shown.valid ? `Best motion known${short ? ", nearer than required" : ""}${this.drawing.behind > 3 ? ", falls behind what is moved" : ""}; ${shown.searching ? "searching" : "not searched here"}` : `No motion here${shown.searching ? " yet" : ""}: ${shown.why}. Grey: the last valid motion.`;
     const by = shown.objective - start.objective, share = (100 * by) / Math.abs(start.objective || 1);
     const sign = (v, digits) => `${Number(v.toFixed(digits)) < 0 ? "−" : "+"}${Math.abs(v).toFixed(digits)}`;
     this.objective.replaceChildren(n("b", {}, shown.valid ? shown.objective.toFixed(4) : "–"), n("span", {}, shown.valid ? ` objective; ${sign(by, 4)} (${sign(share, 1)} %) since the start` : " objective"));
@@ -171,24 +181,12 @@ Object.assign(DA.Design.prototype, {
       this.near.classList.toggle("short", Boolean(short));
     } else this.near.textContent = "–";
     this.tellSlopes(sure ? found.slopes : null);
-    this.tellFigures();
+    this.chart.spec.series[0].values = shown.valid ? Array.from(this.view.index) : [];
+    this.chart.draw();
+    this.tellRanges();
     this.saveButton.disabled = !sure;
     this.saveButton.title = sure ? `Writes cell, task and result into ${this.task.folder}` : "When the search has found a motion here";
     this.keepButton.disabled = !shown.valid;
-  },
-
-  // Chart and ranges cost more than the picture: while something is moved, five times a second.
-  tellFigures() {
-    clearTimeout(this.figures);
-    const now = performance.now(), left = (this.drawn || 0) + 200 - now;
-    if (this.before && left > 0) {
-      this.figures = setTimeout(() => this.tellFigures(), left);
-      return;
-    }
-    this.drawn = now;
-    this.chart.spec.series[0].values = this.shown.valid ? Array.from(this.view.index) : [];
-    this.chart.draw();
-    this.tellRanges();
   },
 
   tellRanges() {

@@ -61,7 +61,8 @@ DA.Gizmo = class {
     Object.assign(this.at, at);
     this.group.position.set(this.at.x, this.at.y, this.at.z);
     this.group.updateMatrixWorld(true);
-    this.stage.moved();
+    // Without a graphics card pictures are for what follows: the handle alone moves less often.
+    if (!this.held || !this.stage.thrifty || performance.now() - this.stage.drawn > 100) this.stage.moved();
   }
 
   // The ray under a pointer, in the coordinates of `frame` (a Matrix4 to the world).

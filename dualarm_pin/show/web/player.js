@@ -1,5 +1,6 @@
 // The player: stage and clock. Everything that changes goes through `seek` and `refresh`; what
 // stands around the stage is in panel.js.
+DA.words = 250; // ms between words while something is dragged
 DA.Player = class {
   constructor(element, head, options = {}) {
     Object.assign(this, { element, head, options });
@@ -13,6 +14,7 @@ DA.Player = class {
     this.mode = "one";
     this.show = { visual: true, collision: false, path: true, frames: true, force: false, velocity: false, direction: true, ghosts: false, traces: false, hold: false, distance: true };
     this.views = new Map();
+    this.sayLess = DA.seldom(() => this.say(), DA.words);
     this.build();
     this.start();
     this.refresh();
@@ -166,6 +168,7 @@ DA.Player = class {
   render() {
     const { viewer } = this.stage, { renderer, camera, scene } = viewer, g = this.grid;
     viewer.needs_render = false;
+    this.stage.drawn = performance.now();
     viewer.controls.update();
     camera.aspect = this.aspect || camera.aspect;
     camera.updateProjectionMatrix();
@@ -191,7 +194,8 @@ DA.Player = class {
     this.t = Math.min(Math.max(Number(t) || 0, 0), 1);
     for (const view of this.on_stage) view.update(this.t, this.show, this.scale || { velocity: 0, force: 0 });
     if (document.activeElement !== this.scrub || Number(this.scrub.value) !== this.t) this.scrub.value = this.t;
-    this.say();
+    if (this.stage.held) this.sayLess();
+    else this.sayLess.now();
     this.stage.moved();
     this.tell("time");
   }

@@ -49,7 +49,7 @@ DA.rough = function (geometry) {
   const T = MeshCat.THREE, { position, normal } = geometry.attributes, faces = geometry.index.array;
   if (faces.length < 3 * 300) return;
   geometry.computeBoundingBox();
-  const box = geometry.boundingBox, step = box.getSize(new T.Vector3()).length() / 14, first = new Map(), kept = [];
+  const box = geometry.boundingBox, step = box.getSize(new T.Vector3()).length() / 8, first = new Map(), kept = [];
   const into = Array.from({ length: position.count }, (_, k) => {
     const at = [0, 1, 2].map((j) => Math.floor((position.array[3 * k + j] - box.min.getComponent(j)) / step));
     const side = [0, 1, 2].reduce((bits, j) => 2 * bits + Number(normal.array[3 * k + j] > 0), 0);

@@ -30,7 +30,6 @@ DA.View = class {
     };
     this.ends = [0, this.h - 1].map((i) => ({ at: i, robot: new DA.Robot(head, this.cell, { tint: i ? "#D55E00" : "#0072B2", opacity: 0.16 }) }));
     this.marks.ghosts = this.ends.map(({ robot }) => robot.root);
-    this.poseEnds();
     this.marks.traces = (run.tips || []).map((tip, k) => DA.trace(head.array(tip), k ? "#D55E00" : "#0072B2"));
     const { path, frames, force, velocity, direction, ghosts, traces } = this.marks;
     this.e1().add(path[0], frames[0], force[0], velocity[0], direction[0]);
@@ -75,6 +74,7 @@ DA.View = class {
   updateMarks(t, show, scale) {
     const T = MeshCat.THREE;
     for (const [name, list] of Object.entries(this.marks)) for (const item of list) item.visible = Boolean(show[name]);
+    if (show.ghosts) this.poseEnds();
     for (const kind of ["visual", "collision"]) this.robot.show(kind, show[kind]);
     if (this.nearest) this.nearest.update(t, show.distance);
     const tip = new T.Vector3().setFromMatrixPosition(this.robot.frames.get("e2").matrixWorld);
