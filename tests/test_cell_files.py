@@ -451,6 +451,30 @@ def test_xacro_without_end_is_refused(
     assert after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime < 5.0
 
 
+@pytest.mark.parametrize(
+    ("child", "reason"),
+    [
+        (
+            "import no_such_library",
+            "failed: ModuleNotFoundError: No module named",
+        ),
+        ("print('a note of a library')", "failed: it says nothing"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGSEGV)", "failed: Segmentation fault"),
+        ("raise MemoryError('no room')", "or 2 GB: does a macro call itself"),
+        ("import os, signal; os.kill(os.getpid(), signal.SIGXCPU)", "20 s of processor time"),
+    ],
+)
+def test_a_process_of_xacro_that_fails_is_not_taken_for_one_that_takes_too_much(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, child: str, reason: str
+) -> None:
+    pytest.importorskip("xacrodoc")
+    (folder / "arm.xacro").write_text(SOUND)
+    monkeypatch.setattr("dualarm_pin.robot.xacro._CHILD", child)
+    with pytest.raises(InputError) as caught:
+        load(folder, PAIR.replace("small.urdf", "arm.xacro"))
+    assert reason in str(caught.value)
+
+
 def test_xacro_takes_arithmetic_and_harmless_functions(folder: Path) -> None:
     pytest.importorskip("xacrodoc")
     (folder / "sizes.yaml").write_text("arm: {length: 0.4}\n")

@@ -5,10 +5,12 @@ from __future__ import annotations
 import importlib.util
 import json
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
 from dualarm_pin.errors import InputError, MissingExtraError
 from dualarm_pin.robot.xacro_child import TOO_MUCH
@@ -16,6 +18,7 @@ from dualarm_pin.robot.xacro_child import TOO_MUCH
 SECONDS = 20  # of processor time; a robot with hundreds of macros takes one
 MEMORY = 2 * 1024**3  # bytes, those of the libraries included
 _WAIT = 300.0  # seconds: a process that waits spends none of its processor time
+_LIMITS = (-signal.SIGXCPU, -signal.SIGKILL)  # how a process ends that passes them
 # The child imports from where this process does: its folder may hold anything.
 _CHILD = """\
 import json, sys
@@ -60,9 +63,10 @@ def expand_xacro(
             timeout=_WAIT,
             check=False,
         )
-        said = json.loads(done.stdout)
-    except (subprocess.TimeoutExpired, ValueError):  # ended by its limits, in the middle of a word
+    except subprocess.TimeoutExpired:
         said = {"error": TOO_MUCH}
+    else:
+        said = _said(done)
     if said.get("error") == TOO_MUCH:
         said["error"] = (
             f"it takes more than {SECONDS} s of processor time or {MEMORY >> 30} GB: does a macro "
@@ -71,6 +75,20 @@ def expand_xacro(
     if "error" in said:
         raise InputError(f"xacro cannot expand this file: {said['error']}", file=file)
     return str(said["urdf"]).encode()
+
+
+def _said(done: subprocess.CompletedProcess[bytes]) -> dict[str, Any]:
+    """Return what the child says; why it ended, where it says nothing."""
+    try:
+        said: dict[str, Any] = json.loads(done.stdout)
+        return said
+    except ValueError:
+        *_, last = done.stderr.decode(errors="replace").strip().splitlines() or [""]
+    if done.returncode in _LIMITS or last.startswith(MemoryError.__name__):
+        return {"error": TOO_MUCH}
+    if done.returncode < 0:
+        last = signal.strsignal(-done.returncode) or f"signal {-done.returncode}"
+    return {"error": f"the process that expands it has failed: {last or 'it says nothing'}"}
 
 
 def _text(value: str | bool | float) -> str:
