@@ -34,6 +34,7 @@ from dualarm_pin.task import Task
 # Words in the names of links that carry a tool, the surest first.
 _TIPS = ("tcp", "tool0", "tool", "flange", "tip", "ee", "hand", "gripper")
 _FINGERS = ("finger", "knuckle", "thumb", "jaw", "pad")
+_HANDS = ("gripper", "hand")  # what moves behind such a link is a finger, whatever its name
 _APART = 0.6  # of the reach of both arms: they meet in the middle with the elbows bent
 _RADIUS = 0.03  # of the mean reach: a small circle, so that most arms follow it
 _POINTS = 25  # of the circle
@@ -106,19 +107,25 @@ def likely_tip(robot: Robot) -> str:
     """Return the link that most likely carries the tool.
 
     Of the links behind the most joints it is the one whose name says so, else the first of them;
-    fingers and what they carry do not count.
+    fingers, what moves behind a hand, and what they carry do not count.
 
     Raises:
         InputError: No joint moves.
     """
 
     def finger(link: str) -> bool:
-        names = [link, *(joint.child for joint in robot.chain(link))]
-        return any(word in name.lower() for name in names for word in _FINGERS)
+        chain = robot.chain(link)
+        names = [link, *(joint.child for joint in chain)]
+        hands = [joint.parent.lower() for joint in chain if joint.moves]
+        return any(word in name.lower() for name in names for word in _FINGERS) or any(
+            word in name for name in hands for word in _HANDS
+        )
 
-    links = [link for link in robot.links if not finger(link)] or list(robot.links)
-    moving = {link: sum(joint.moves for joint in robot.chain(link)) for link in links}
-    most = max(moving.values())
+    moving = {link: sum(joint.moves for joint in robot.chain(link)) for link in robot.links}
+    links = [link for link in robot.links if not finger(link)]
+    if not any(moving[link] for link in links):
+        links = list(robot.links)
+    most = max(moving[link] for link in links)
     if not most:
         raise InputError("no joint of this robot moves: it is no arm", file=robot.file)
 

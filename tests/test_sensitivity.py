@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 
 import pytest
 from paper_case import TASK
@@ -13,6 +14,7 @@ from dualarm_pin.cli import main
 from dualarm_pin.errors import InputError
 from dualarm_pin.evidence.sensitivity import cell_costs
 from dualarm_pin.planners.whole_path import plan_global
+from dualarm_pin.show.sensitivity import rows_of, text_of
 from dualarm_pin.task import Task
 
 
@@ -51,6 +53,19 @@ def test_the_bottleneck_is_the_point_with_the_largest_index(costs, motion):
     assert costs.points[0].point == motion.checked.index.argmax() + 1
     assert costs.points[0].index == pytest.approx(motion.max_index, abs=1e-6)
     assert "arm1/joint_5" in costs.points[0].limits
+
+
+def test_it_is_said_where_the_motion_itself_is_at_no_minimum(task, motion, costs):
+    assert not costs.elsewhere
+    assert text_of(costs).splitlines()[0] == "objective 12.73089"
+    bent = motion.q.copy()
+    bent[:, 0] += 0.02
+    off = cell_costs(task, bent)
+    assert off.objective == pytest.approx(costs.objective, rel=1e-6)
+    assert off.given == pytest.approx(task.problem().objective(bent))
+    assert f"the motion itself has {off.given:.7g}: all figures" in text_of(off).splitlines()[0]
+    held = replace(off, clearance=True)
+    assert "held there by the distances asked for" in rows_of([held])[0][1][0].splitlines()[0]
 
 
 def test_a_motion_off_the_path_predicts_nothing(task):

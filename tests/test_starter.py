@@ -25,10 +25,21 @@ FINGERS = SOUND.replace(
 )
 
 
+JAW = FINGERS.replace('"tip"', '"gripper_flange"').replace('"finger"', '"mover"')
+
+
 @pytest.mark.parametrize("text", [SOUND, FINGERS])
 def test_the_tip_is_the_link_that_carries_the_tool(text: str) -> None:
     robot = parse_urdf(text.encode(), Path("small.urdf"))
     assert likely_tip(robot) == "tip"
+
+
+def test_what_moves_behind_a_gripper_is_a_finger() -> None:
+    assert likely_tip(parse_urdf(JAW.encode(), Path("small.urdf"))) == "gripper_flange"
+    all_hand = SOUND.replace('<link name="', '<link name="hand_')
+    for word in ("parent", "child"):
+        all_hand = all_hand.replace(f'<{word} link="', f'<{word} link="hand_')
+    assert likely_tip(parse_urdf(all_hand.encode(), Path("small.urdf"))) == "hand_tip"
 
 
 def test_a_robot_without_moving_joints_is_refused() -> None:

@@ -91,16 +91,26 @@ class Costs:
     """What `cell_costs` found.
 
     Attributes:
-        objective: Objective of the motion, polished.
+        objective: Objective of the minimum at the motion, which all figures are of.
         parameters: By parameter, in the order of the chain.
         limits: The costliest limits, most first.
         points: The points with the largest index, largest first.
+        given: Objective of the motion itself; None if it was not kept.
+        clearance: Whether distances are asked for, which the figures leave out.
     """
 
     objective: float
     parameters: tuple[ParameterCost, ...]
     limits: tuple[LimitCost, ...]
     points: tuple[PointCost, ...]
+    given: float | None = None
+    clearance: bool = False
+
+    @property
+    def elsewhere(self) -> bool:
+        """Whether the motion itself is not at that minimum."""
+        level = TOLERANCE.same_objective * max(1.0, abs(self.objective))
+        return self.given is not None and abs(self.given - self.objective) > level
 
 
 def cell_costs(task: Task, q: Array, *, solve_again: bool = False) -> Costs:
@@ -131,6 +141,8 @@ def cell_costs(task: Task, q: Array, *, solve_again: bool = False) -> Costs:
         parameters=parameters,
         limits=_limits(task, problem, best, solve_again),
         points=_points(task, problem, best),
+        given=problem.objective(q),
+        clearance=task.clearance is not None,
     )
 
 

@@ -28,7 +28,7 @@ def format_of(name: str | Format) -> Format:
         return name
     if name not in FORMATS:
         names = [*FORMATS, SCENE]
-        hint = nearest(name, names)
+        hint = nearest(name, names, len(names))
         known = "" if hint.startswith("known") else f" Known: {', '.join(names)}"
         raise UnknownNameError(f"no format {name!r}: {hint}{known}", field="--to")
     return FORMATS[name]

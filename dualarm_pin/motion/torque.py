@@ -42,7 +42,7 @@ class Torques:
         """What the torques are made of, in words."""
         if self.masses:
             light = len(self.cell.links_without_inertia)
-            bare = f"; {light} links without inertia count as massless" if light else ""
+            bare = f"; links without inertia count as massless: {light}" if light else ""
             return f"gravity, inertia{' and tool force' if self.force else ''}{bare}"
         lacking = self.cell.massless_joints
         more = f" and {len(lacking) - 1} more joints" if len(lacking) > 1 else ""

@@ -47,7 +47,10 @@ def load_costs(folder: str | Path) -> Costs | None:
 def rows_of(costs: Sequence[Costs | None]) -> list[tuple[str, list[str]]]:
     """Return rows of text for a report: one column for each result, empty where there are none."""
     makers = {
-        "errors of the cell": parameter_lines,
+        "errors of the cell": lambda each: [
+            *filter(None, [elsewhere(each)]),
+            *parameter_lines(each),
+        ],
         "joint limits": limit_lines,
         "largest index": point_lines,
     }
@@ -64,8 +67,17 @@ def text_of(costs: Costs) -> str:
         "Joint limits": limit_lines(costs),
         "Points with the largest index": point_lines(costs),
     }
-    head = f"objective {costs.objective:.7g}"
+    head = f"objective {costs.objective:.7g}" + ("; " if costs.elsewhere else "") + elsewhere(costs)
     return "\n\n".join([head, *("\n".join([name, *lines]) for name, lines in sections.items())])
+
+
+def elsewhere(costs: Costs) -> str:
+    """Return what to know where the motion is not at the minimum of these figures, else nothing."""
+    if not costs.elsewhere:
+        return ""
+    held = ", held there by the distances asked for" if costs.clearance else ""
+    left = "without distances" if costs.clearance else "near it"
+    return f"the motion itself has {costs.given:.7g}{held}: all figures are of the minimum {left}"
 
 
 def parameter_lines(costs: Costs) -> list[str]:
@@ -90,9 +102,10 @@ def limit_lines(costs: Costs) -> list[str]:
     """Return a line for every limit that holds."""
     lines = []
     for cost in costs.limits:
+        points = f"{cost.points} point{'' if cost.points == 1 else 's'}"
         line = (
-            f"{cost.joint} {cost.side}: {cost.slope:.4g} per rad or m, holds at {cost.points} "
-            f"points; 10 deg (0.1 m) more would give about {cost.predicted:.5g}"
+            f"{cost.joint} {cost.side}: {cost.slope:.4g} per rad or m, holds at {points}; "
+            f"10 deg (0.1 m) more would give about {cost.predicted:.5g}"
         )
         if cost.solved is not None:
             line += f" (solved: {cost.solved:.5g})"
