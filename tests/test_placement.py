@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -101,7 +102,12 @@ def test_where_nothing_is_reached_the_nearest_place_that_is_stands_in_the_messag
     found = plan_placement(task, may)
     assert not found.trajectory.found
     assert "no place in these boxes" in found.trajectory.message
-    assert "the nearest found that does: base2.x" in found.trajectory.message
+    said = re.search(r"the nearest found that does: base2\.x (\S+) m", found.trajectory.message)
+    nearest = float(said[1])
+    assert 3.0 < nearest < 4.5  # a motion is known at 3.0
+    for x, reached in ((nearest - 1e-3, True), (nearest + 0.02, False)):
+        there = moved_task(task, {"base2.x": x - 2.5})
+        assert plan_global(there, effort="quick").found == reached
 
 
 @pytest.mark.parametrize(

@@ -58,8 +58,7 @@ def _worst(search: Search, names: list[Pair]) -> str:
     where = f"between points {line + 1} and {line + 2}"
     if place in (0.0, 1.0):
         where = f"at point {line + 1 + int(place)}"
-    required = float(search.required[k])
-    return (
-        f"{' and '.join(names[k])} are {required - lack:.4f} m apart {where}, "
-        f"{required:g} m is asked for"
-    )
+    required, who = float(search.required[k]), " and ".join(names[k])
+    apart = required - lack
+    how = f"{who} are {apart:.4f} m apart" if apart >= 0.0 else f"{who} collide ({apart:.4f} m)"
+    return f"{how} {where}, {required:g} m is asked for"
