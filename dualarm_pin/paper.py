@@ -28,6 +28,7 @@ from dualarm_pin.planners.whole_path import plan_global, polish
 from dualarm_pin.progress import SILENT, Progress
 from dualarm_pin.search.starts import generator
 from dualarm_pin.search.workers import Workers
+from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.task import Task
 
 PAPER_MEANS = {"two-stage": 1.17, "pseudo-inverse": 1.52}
@@ -121,6 +122,7 @@ def reproduce(
         raise DualArmError(f"the two-stage method found nothing: {two_stage.message}")
     trajectories["two-stage"] = two_stage
     progress.line(f"two-stage: mean c {two_stage.mean_index:.4f}")
+    engine.ensure_compiled(progress.line)
     trajectories["two-stage, polished"] = polish(task, two_stage.q, seed=seed)
     progress.line(f"polished: mean c {trajectories['two-stage, polished'].mean_index:.4f}")
     whole = plan_global(task, effort="quick", seed=seed, jobs=jobs, progress=progress)
