@@ -134,6 +134,7 @@ def _first_posture(task: Task) -> tuple[Any, float]:
 
 
 def _shown(value: Any) -> str:
-    if isinstance(value, list) and value and isinstance(value[0], str):
-        return ("\n" + " " * 20).join(value)
+    if isinstance(value, list):
+        words = any(isinstance(each, str) for each in value)
+        return ("\n" + " " * 20 if words else ", ").join(map(str, value)) or "none"
     return f"{value:.4g}" if isinstance(value, float) else str(value)

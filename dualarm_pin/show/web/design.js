@@ -19,6 +19,7 @@ DA.Design = class {
     this.target = this.has("base2") ? "base2" : "workpiece";
     this.drawing = new DA.Drawing(player, () => this.moving);
     this.tellLess = DA.seldom(() => this.tellNow(), DA.words);
+    this.figuresLess = DA.seldom(() => this.tellFigures(), 2 * DA.words); // curves cost most
     this.markLess = DA.seldom(() => this.markNow(), DA.words);
     this.gizmo = new DA.Gizmo(player.stage, player.reach * 0.2, {
       begin: () => this.begin(),

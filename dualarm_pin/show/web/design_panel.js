@@ -181,12 +181,17 @@ Object.assign(DA.Design.prototype, {
       this.near.classList.toggle("short", Boolean(short));
     } else this.near.textContent = "–";
     this.tellSlopes(sure ? found.slopes : null);
-    this.chart.spec.series[0].values = shown.valid ? Array.from(this.view.index) : [];
-    this.chart.draw();
-    this.tellRanges();
+    if (this.before) this.figuresLess();
+    else this.figuresLess.now();
     this.saveButton.disabled = !sure;
     this.saveButton.title = sure ? `Writes cell, task and result into ${this.task.folder}` : "When the search has found a motion here";
     this.keepButton.disabled = !shown.valid;
+  },
+
+  tellFigures() {
+    this.chart.spec.series[0].values = this.shown.valid ? Array.from(this.view.index) : [];
+    this.chart.draw();
+    this.tellRanges();
   },
 
   tellRanges() {
