@@ -2,7 +2,7 @@
 // newer ones come. How long answers and pictures take is measured as they come; the slowest of the
 // last second counts: a mean would let every other one be too late, and one slow one is forgotten.
 DA.oldest = 150; // ms
-DA.frame = 1000 / 60; // ms
+DA.tick = 1000 / 60; // ms
 DA.swift = 25; // ms; where answers take longer, less is asked of each
 DA.Lately = class {
   constructor() {
@@ -36,9 +36,9 @@ DA.Drawing = class {
     player.stage.viewer.render = () => this.draw();
   }
 
-  // A picture takes two frames at least, and any may come one frame later than the slowest did.
+  // A picture takes a frame at least, and may just miss one that the slowest of late did not.
   tooOld(asked) {
-    return performance.now() - asked + Math.max(this.pictures.slowest(), DA.frame) + DA.frame > DA.oldest;
+    return performance.now() - asked + Math.max(this.pictures.slowest(), DA.tick) + DA.tick > DA.oldest;
   }
 
   answered(ms) {
