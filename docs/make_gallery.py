@@ -30,7 +30,11 @@ SOLVES = {
 }
 PLACES = {"corner": 0.12, "circle": 0.4, "curve": 0.3, "table": 0.7}  # on the path
 SIZE = (720, 440)
-STILL = ".heading, .panel, .bar { display: none !important } .canvas { right: 0 !important }"
+# Only the stage, over the whole window: no heading, clock or tables in a still picture.
+STILL = """.heading, .panel, .bar { display: none !important }
+.stage { position: fixed !important; inset: 0; z-index: 9 } .canvas { right: 0 !important }"""
+DRESS = """(css) => { const sheet = new CSSStyleSheet(); sheet.replaceSync(css);
+  document.adoptedStyleSheets = [sheet]; }"""  # the policy of the page refuses a <style>
 
 
 def main() -> None:
@@ -70,6 +74,7 @@ def draw(gallery: str) -> None:
         page = browser.new_page(viewport={"width": width, "height": height}, color_scheme="light")
         page.goto(file.as_uri())
         page.evaluate("dualarm.ready.then(() => true)")
+        page.evaluate(DRESS, STILL)
         page.evaluate(f"dualarm.seek({PLACES[gallery]})")
         page.wait_for_timeout(2500)  # until it draws finely again
         picture = Image.open(io.BytesIO(page.screenshot())).convert("RGB")
