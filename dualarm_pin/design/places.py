@@ -45,17 +45,23 @@ def placed(cell: Cell, q: Array) -> Places:
 
 def segment_distance(first: Array, second: Array) -> Array:
     """Return the distances (...) between segments (..., 2, 3), by their nearest points."""
-    along, beside = first[..., 1, :] - first[..., 0, :], second[..., 1, :] - second[..., 0, :]
-    from_second = first[..., 0, :] - second[..., 0, :]
-
-    def dot(a: Array, b: Array) -> Array:
-        return np.asarray(np.einsum("...i,...i", a, b))
-
-    a, e = np.maximum(dot(along, along), _POINT), np.maximum(dot(beside, beside), _POINT)
-    b, c, f = dot(along, beside), dot(along, from_second), dot(beside, from_second)
+    start, other = _parts(first[..., 0, :]), _parts(second[..., 0, :])
+    along, beside = _parts(first[..., 1, :]) - start, _parts(second[..., 1, :]) - other
+    from_second = start - other
+    a, e = np.maximum(_dot(along, along), _POINT), np.maximum(_dot(beside, beside), _POINT)
+    b, c, f = _dot(along, beside), _dot(along, from_second), _dot(beside, from_second)
     across = np.maximum(a * e - b * b, np.finfo(float).eps * a * e)
     s = np.clip((b * f - c * e) / across, 0.0, 1.0)
     t = np.clip((b * s + f) / e, 0.0, 1.0)
     s = np.clip((b * t - c) / a, 0.0, 1.0)
-    apart = from_second + s[..., None] * along - t[..., None] * beside
-    return np.asarray(np.linalg.norm(apart, axis=-1))
+    apart = from_second + s * along - t * beside
+    return np.asarray(np.sqrt(_dot(apart, apart)))
+
+
+def _parts(points: Array) -> Array:
+    """Return points (..., 3) as (3, ...): sums over a last axis of three are slow."""
+    return np.ascontiguousarray(np.moveaxis(points, -1, 0))
+
+
+def _dot(a: Array, b: Array) -> Array:
+    return np.asarray(a[0] * b[0] + a[1] * b[1] + a[2] * b[2])

@@ -47,7 +47,7 @@ DA.shade = function (x) {
   return DA.viridis[k].map((a, i) => (a + f * (DA.viridis[k + 1][i] - a)) / 255);
 };
 
-// f, called at once where it has rested for `ms`, else once later, for all calls meanwhile; `.now()`
+// f, called at once where it has rested for ms() milliseconds, else once later, for all calls meanwhile; `.now()`
 // does not wait. Words that change with every picture cost more than the picture.
 DA.seldom = function (f, ms) {
   let last = -Infinity, timer = null;
@@ -58,7 +58,7 @@ DA.seldom = function (f, ms) {
     f();
   };
   const call = () => {
-    const left = last + ms - performance.now();
+    const left = last + ms() - performance.now();
     if (left <= 0) now();
     else timer = timer ?? setTimeout(now, left);
   };

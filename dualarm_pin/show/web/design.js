@@ -18,9 +18,10 @@ DA.Design = class {
     this.motion = null; // number of the motion that was found here
     this.target = this.has("base2") ? "base2" : "workpiece";
     this.drawing = new DA.Drawing(player, () => this.moving);
-    this.tellLess = DA.seldom(() => this.tellNow(), DA.words);
-    this.figuresLess = DA.seldom(() => this.tellFigures(), 2 * DA.words); // curves cost most
-    this.markLess = DA.seldom(() => this.markNow(), DA.words);
+    const words = () => player.stage.words();
+    this.tellLess = DA.seldom(() => this.tellNow(), words);
+    this.figuresLess = DA.seldom(() => this.tellFigures(), () => 2 * words()); // curves cost most
+    this.markLess = DA.seldom(() => this.markNow(), words);
     this.gizmo = new DA.Gizmo(player.stage, player.reach * 0.2, {
       begin: () => this.begin(),
       move: (at) => this.dragged(at),

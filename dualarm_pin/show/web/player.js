@@ -1,6 +1,5 @@
 // The player: stage and clock. Everything that changes goes through `seek` and `refresh`; what
 // stands around the stage is in panel.js.
-DA.words = 250; // ms between words while something is dragged
 DA.Player = class {
   constructor(element, head, options = {}) {
     Object.assign(this, { element, head, options });
@@ -14,7 +13,7 @@ DA.Player = class {
     this.mode = "one";
     this.show = { visual: true, collision: false, path: true, frames: true, force: false, velocity: false, direction: true, ghosts: false, traces: false, hold: false, distance: true };
     this.views = new Map();
-    this.sayLess = DA.seldom(() => this.say(), DA.words);
+    this.sayLess = DA.seldom(() => this.say(), () => this.stage.words());
     this.build();
     this.start();
     this.refresh();
