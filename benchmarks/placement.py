@@ -230,7 +230,8 @@ def page() -> list[Row]:
             (f"{name}: shown", f"{SHOWN_A_SECOND:g} /s", f"{seen.shown:.1f} /s",
              seen.shown >= SHOWN_A_SECOND),
             (f"{name}: pose to picture", f"none above {OLDEST:g} ms",
-             f"{middle:.0f} ms, p95 {late:.0f}, {old} of {len(seen.ages)} above", old == 0),
+             f"{middle:.0f} ms, p95 {late:.0f}, {old} of {len(seen.ages)} above, "
+             f"{seen.left_out} left out", old == 0),
         ]  # fmt: skip
     return rows
 

@@ -35,10 +35,12 @@ class Dragged:
     Attributes:
         shown: Poses a second.
         ages: From each pose to its picture [ms].
+        left_out: Poses that were answered and not shown, because they would have been too old.
     """
 
     shown: float
     ages: list[float]
+    left_out: int
 
 
 def drag(view, seconds=5.0):
@@ -47,10 +49,12 @@ def drag(view, seconds=5.0):
     x, y = view.page.evaluate(SPOT, "x")
     view.page.mouse.move(x, y)
     view.page.mouse.down()
+    before = view.do("dualarm.design.drawing.late")
     ages = view.page.evaluate(_DRAG, [x, y, 1000.0 * seconds])
+    left_out = view.do("dualarm.design.drawing.late") - before
     view.page.mouse.up()
     view.do("dualarm.design.idle()")
-    return Dragged(len(ages) / seconds, ages)
+    return Dragged(len(ages) / seconds, ages, left_out)
 
 
 def dragged_page(task, seconds=5.0):
