@@ -11,7 +11,9 @@ import pytest
 from paper_case import TASK
 
 from dualarm_pin.answer.folder import load_result
+from dualarm_pin.cell import Cell
 from dualarm_pin.clearance.asked import asked_of
+from dualarm_pin.cli import main
 from dualarm_pin.errors import InputError
 from dualarm_pin.placement.asked import Area, asked
 from dualarm_pin.planners.placement import plan_placement
@@ -149,3 +151,20 @@ def test_with_clearance_a_place_moves_on_and_its_bodies_stay_apart():
         )
     value = stand.task.problem().objective(stand.path.q)
     assert value == pytest.approx(stand.path.objective, rel=1e-8)
+
+
+def test_the_command_says_where_the_cell_that_it_writes_stands(tmp_path, capsys):
+    # Held by its bodies, the place moves on from where it is best without clearance.
+    out = tmp_path / "placed"
+    change = ["clearance=0.05", "placement.base2.x=[1.4, 2.0]", "placement.base2.z=[-0.5, 0.5]"]
+    given = [part for each in change for part in ("--set", each)]
+    with pytest.raises(SystemExit) as end:
+        main(["place", str(TASK), "--map", "0", "--out", str(out), *given])
+    assert end.value.code == 0
+    said = capsys.readouterr().out
+    x, z = map(float, re.search(r"place +base2\.x (\S+) m, base2\.z (\S+) m", said).groups())
+    base = Cell.load(out / "cell.yaml").arms[1].base.translation
+    assert (x, z) == pytest.approx((base[0], base[2]), abs=1e-3)
+    first = next(csv.DictReader((out / "places.csv").open()))
+    assert abs(float(first["base2.x"]) + 2.5 - x) + abs(float(first["base2.z"]) - z) > 0.01
+    assert "at a bound   base2.x: a wider box may hold a better place" in said

@@ -35,6 +35,7 @@ def place(
         allow_code: Import and run the functions that the task file names with `call`.
         out: Folder of the result; results/TASK-placement by default.
     """
+    from dualarm_pin.answer.notes import PlacementNotes
     from dualarm_pin.answer.summary import summary
     from dualarm_pin.planners.placement import plan_placement, said
     from dualarm_pin.planners.placement_map import maps_around
@@ -50,8 +51,11 @@ def place(
         maps = maps_around(loaded, found, columns=map_, jobs=jobs, progress=progress)
     save_placement(folder, found, maps)
     print(summary(found.task, found.trajectory))
-    if found.places:
-        print(f"place        {said(loaded, found.places[0].change)}")
+    notes = found.trajectory.notes
+    if isinstance(notes, PlacementNotes):
+        print(f"place        {said(loaded, notes.change)}")
+        if notes.at_bound:
+            print(f"at a bound   {', '.join(notes.at_bound)}: a wider box may hold a better place")
     for direction in found.flat:
         print(f"flat         {direction} changes nothing")
     print(f"written to {folder}")

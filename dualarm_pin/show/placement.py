@@ -100,8 +100,9 @@ def _draw(figure: Figure, ax: Axes, each: PlaceMap) -> None:
                 each.first, each.second, mask.astype(float), levels,
                 colors="none", hatches=["", hatch],
             )  # fmt: skip
+    ax.plot(*each.best, "o", ms=9, mfc="none", mew=4, color="white")  # seen on dark places too
     ax.plot(*each.best, "o", ms=9, mfc="none", mew=2, color=INK, label="found")
     ax.set_xlabel(f"base 2 {each.axes[0]} [m]")
     ax.set_ylabel(f"base 2 {each.axes[1]} [m]")
     ax.set_title("grey: not reached, ///: arms touch, xxx: kept out", loc="left", fontsize=9)
-    ax.legend(frameon=False, fontsize=9)
+    ax.legend(frameon=True, facecolor="white", framealpha=0.9, edgecolor="none", fontsize=9)
