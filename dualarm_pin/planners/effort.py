@@ -268,7 +268,8 @@ class Search:
         best = min((each.pool.best for each in self.independent), default=np.inf)
         if np.isfinite(best):
             self.progress.note(f"best so far {best:.6g}")
-        self.cut = self.cut or time.monotonic() > self.deadline
+        begun = spent > 0.0 or self.further[0].drawn() is not None  # one step is made in any case
+        self.cut = self.cut or (begun and time.monotonic() > self.deadline)
         return not self.cut
 
 
