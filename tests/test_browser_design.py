@@ -247,16 +247,13 @@ def test_while_something_is_dragged_words_wait_and_the_picture_does_not(view):
 
 
 def test_a_pose_that_is_too_old_when_it_would_be_drawn_is_left_out_while_newer_ones_come(view):
-    view.do("""(() => { const d = dualarm.design, w = d.drawing;
-      d.moving = true; w.has(performance.now() - 200); window.before = d.player.frames; })()""")
-    view.do("dualarm.design.drawing.draw()")
-    assert view.do("dualarm.design.player.frames") == view.do("window.before")
-    assert view.do("dualarm.design.drawing.behind") == 1
+    # In one go: else the page draws in between.
+    drawn = """(newer) => { const d = dualarm.design, w = d.drawing, before = d.player.frames || 0;
+      d.moving = newer; w.has(performance.now() - 200); w.draw(); d.moving = false;
+      return [d.player.frames - before, w.behind]; }"""
+    assert view.page.evaluate(drawn, True) == [0, 1]
     # Nothing newer comes: then it is the best there is.
-    view.do("dualarm.design.moving = false; dualarm.design.drawing.has(performance.now() - 200)")
-    view.do("dualarm.design.drawing.draw()")
-    assert view.do("dualarm.design.player.frames") > view.do("window.before")
-    assert view.do("dualarm.design.drawing.behind") == 0
+    assert view.page.evaluate(drawn, False) == [1, 0]
 
 
 def test_what_would_be_seen_too_late_is_not_drawn(view):
@@ -272,7 +269,9 @@ def test_what_would_be_seen_too_late_is_not_drawn(view):
         until(view, f"d.shown.state.change['base2.x'] === {last} && !d.busy")
         if view.do("dualarm.design.drawing.late"):
             break
-    assert view.do("dualarm.design.drawing.late") == 1
+    # One that was answered; another may have been answered before and not been drawn yet.
+    assert view.do("dualarm.design.drawing.late") in (1, 2)
+    until(view, "d.drawing.behind === 0 && d.drawing.fresh === null")  # the last one is drawn
     view.do("(DA.oldest = 150)")
     view.do("dualarm.design.commit(); dualarm.design.idle()")
 
