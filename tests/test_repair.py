@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -15,6 +16,7 @@ from paper_case import TASK
 
 import dualarm_pin.evidence.bound as bound_module
 from dualarm_pin.answer.folder import load_result, save_result
+from dualarm_pin.answer.notes import GlobalNotes
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
@@ -36,6 +38,7 @@ from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.race import Race
 from dualarm_pin.repair.survey import Survey, box_around
+from dualarm_pin.repair.walks import stepped
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.show.report_tables import tables_of
 from dualarm_pin.task import Task
@@ -342,3 +345,32 @@ def test_a_long_path_is_not_begun_anew_after_ctrl_c(
     answer = plan_global(task, effort="quick", jobs=1)
     assert begun == ([48] if cut else [48, 141])
     assert answer.message.startswith(f"none of {2 if cut else 4} paths that were tried")
+
+
+def test_points_between_those_of_a_path_that_is_apart_are_set_down_one_by_one() -> None:
+    task = Task.load(
+        urdf_folder() / "tasks" / "b06.yaml", ["clearance=0.01", "path.dome_spiral.points=150"]
+    )
+    answer = plan_global(task, effort="quick", jobs=1)
+    assert answer.found, answer.message
+
+
+def test_a_point_solved_alone_stays_within_its_reach(survey: Survey, best: Array) -> None:
+    i, reach = 15, 0.02
+    start = np.clip(best[[i]] + 0.1, survey.problem.lower, survey.problem.upper)
+    free, _ = stepped(survey, i, start, best[[i - 1, i + 1]], np.ones(2))
+    held, _ = stepped(survey, i, start, best[[i - 1, i + 1]], np.ones(2), reach)
+    assert np.abs(free - start).max() > 2.0 * reach
+    assert np.abs(held - start).max() <= reach + TOLERANCE.fixed_joint
+
+
+def test_a_time_limit_leaves_time_for_the_check() -> None:
+    task = Task.load(urdf_folder() / "tasks" / "b09.yaml", ["clearance=0.01"])
+    limit = 4.0
+    begun = time.monotonic()
+    answer = plan_global(task, effort="thorough", jobs=1, time_limit=limit)
+    assert isinstance(answer.notes, GlobalNotes)
+    assert answer.notes.interrupted
+    # A step under way and the check are finished: seconds on a busy machine, not the minute that
+    # thorough takes.
+    assert time.monotonic() - begun < 3.0 * limit

@@ -36,7 +36,7 @@ _MU = 1e-3  # a start is nearly the answer
 _LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
 _LED_MU = 1e-2  # capsules move it far
 _SLACK = 1e-4  # m: what lacks less leaves room for what is between the postures looked at
-_ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
+ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
 _DIP = 1.1  # times what lacks between two points is asked of both
 
 
@@ -84,10 +84,11 @@ class Basin:
     Attributes:
         survey: What measures.
         between: Whether the postures between the points count too.
+        settle: Whether rounds go on after the first path that is apart, while they still gain.
     """
 
-    def __init__(self, survey: Survey, *, between: bool) -> None:
-        self.survey, self.between = survey, between
+    def __init__(self, survey: Survey, *, between: bool, settle: bool = True) -> None:
+        self.survey, self.between, self.settle = survey, between, settle
 
     def keeps(self, q: Array) -> bool:
         """Tell whether the bodies of a path (k, n) are far enough apart as it is."""
@@ -146,7 +147,7 @@ class Basin:
             lack: What is missing there [m].
         """
         extra = path.extra.copy()
-        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, _ENOUGH)
+        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, ENOUGH)
         return _ended(self._kept(path.q, extra, np.inf))
 
     def _kept(self, q: Array, extra: Array, limit: float) -> Steps:
@@ -155,7 +156,7 @@ class Basin:
         if not self.between:
             return found
         for _ in range(_MORE_ROUNDS):
-            if found is None or self._add_dips(found.q, extra) <= _ENOUGH:
+            if found is None or self.add_dips(found.q, extra) <= ENOUGH:
                 return found
             found = yield from self._apart(found.q, extra, limit)
         return None
@@ -185,7 +186,7 @@ class Basin:
                 settled = best is not None and path.objective > (1.0 - _SETTLED) * best.objective
                 if best is None or path.objective < best.objective:
                     best = path
-                if settled or moved < _STILL:
+                if settled or moved < _STILL or not self.settle:
                     break
         return best
 
@@ -249,7 +250,7 @@ class Basin:
         self.survey.meter.solved(end.iterations, problem.k, rows)
         return end
 
-    def _add_dips(self, q: Array, extra: Array) -> float:
+    def add_dips(self, q: Array, extra: Array) -> float:
         """Add what lacks between the points to both ends (p, k).
 
         Returns:
@@ -290,7 +291,12 @@ def _ended(steps: Steps) -> Repaired | None:
 
 
 def _hopeless(lacks: list[float]) -> bool:
-    """Tell whether the rounds have stopped to bring the bodies apart."""
+    """Tell whether the rounds have stopped to bring the bodies apart.
+
+    A start that the first solve leaves far behind is no measure of them.
+    """
+    if len(lacks) > 1 and lacks[0] < lacks[1]:
+        lacks = lacks[1:]
     if len(lacks) <= _PATIENCE:
         return False
     first = max(min(lacks[:-_PATIENCE]), _SMALL)

@@ -14,6 +14,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Neighbours, Problem
 from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.contacts import Contacts
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
 from dualarm_pin.search.anchored import anchor_points
@@ -124,12 +125,41 @@ def _walk(survey: Survey, at: int, posture: Array) -> Array:
             before = path[i - step]
             last = before - path[i - 2 * step] if abs(i - at) >= 2 else 0.0
             start = np.clip(before + _AHEAD * last, problem.lower, problem.upper)[None]
-            window = problem.window(i, 1, linked=True)
-            weight = window.neighbours.weight * (step > 0, step < 0)
-            both = Neighbours(np.array([before, before]), weight)
-            contacts = survey.contacts(start, REACH)
-            rows = witness_table(survey, contacts, asked_apart(contacts), 1)
-            end = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP)
-            survey.meter.solved(end.iterations, 1, len(contacts.point))
-            path[i] = end.q[0]
+            one_side = np.array([step > 0, step < 0], dtype=np.float64)
+            path[i], _ = stepped(survey, i, start, np.array([before, before]), one_side)
     return path
+
+
+def stepped(
+    survey: Survey,
+    i: int,
+    start: Array,
+    beside: Array,
+    share: Array,
+    reach: float = np.inf,
+    extra: Array | None = None,
+) -> tuple[Array, Contacts]:
+    """Solve one point between its neighbours, with rows for what is near where it starts.
+
+    Args:
+        survey: What measures, on the whole path.
+        i: Which point.
+        start: (1, n) where it starts.
+        beside: (2, n) postures of its neighbours.
+        share: (2,) of its links to them, that counts.
+        reach: How far it may move from its start [rad or m].
+        extra: (p, 1) what is asked of each pair beyond what is required [m].
+
+    Returns:
+        Its posture (n,), and what was near at the start.
+    """
+    window = survey.problem.window(i, 1, linked=True)
+    if reach < np.inf:
+        lower, upper = np.maximum(window.lower, start[0] - reach), start[0] + reach
+        window = window.with_bounds(lower, np.minimum(window.upper, upper))
+    both = Neighbours(beside, window.neighbours.weight * share)
+    contacts = survey.contacts(start, REACH, extra)
+    rows = witness_table(survey, contacts, asked_apart(contacts), 1)
+    end = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP)
+    survey.meter.solved(end.iterations, 1, len(contacts.point))
+    return end.q[0], contacts
