@@ -217,6 +217,8 @@ def test_without_a_bound_the_stopping_rule_is_printed() -> None:
     [
         ("searches", (5.0, 5.0001, 5.0), "best_known", "3 of 3 independent searches found"),
         ("searches", (5.0, 5.1, 5.0), "local_only", "2 of 3 independent searches found this value"),
+        ("searches", (5.0, 5.1) * 3, "best_known", "3 of 6 independent searches found"),
+        ("searches", (5.0, 5.1, 5.1) * 3, "local_only", "3 of 9 independent searches found"),
         ("searches", (5.0, 5.0), "local_only", "2 of 2 independent searches"),
         ("rounds", (5.0, 5.0, 5.0), "local_only", "found by 3 rounds each by itself"),
         ("rounds", (5.2, 5.1, np.inf), "local_only", "no round alone found it"),

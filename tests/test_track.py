@@ -16,9 +16,11 @@ from dualarm_pin.search.coarse import coarse_of
 from dualarm_pin.search.hops import Hops
 from dualarm_pin.search.independent import IndependentSearch
 from dualarm_pin.search.pool import Pool
+from dualarm_pin.search.shares import Shares
 from dualarm_pin.search.splice import splices
 from dualarm_pin.search.sweep import Sweeps
 from dualarm_pin.search.track import Round, TrackLaw
+from dualarm_pin.search.transfer import transfers
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
 from dualarm_pin.solvers import interior_point as engine
@@ -153,9 +155,81 @@ def test_a_splice_joins_the_cheap_halves_of_two_paths() -> None:
     paths[2] += 0.02
     values = np.ones((3, 31))
     values[0, :15] = values[1, 15:] = 0.0
-    joined = next(splices(problem, paths, values, np.random.default_rng(1)))
+    turns = Turns(problem)
+    joined = next(splices(problem, turns, paths, values, np.random.default_rng(1)))
     np.testing.assert_array_equal(joined[:15], paths[0, :15])
     np.testing.assert_array_equal(joined[15:], paths[1, 15:])
+
+
+def test_a_splice_goes_on_at_the_nearest_turn(wide: Problem) -> None:
+    turns = Turns(wide)
+    paths = np.zeros((3, 31, 12))
+    paths[1, :, 4] += 2.0 * np.pi
+    paths[2] += 0.02
+    values = np.ones((3, 31))
+    values[0, :15] = values[1, 15:] = 0.0
+    joined = next(splices(wide, turns, paths, values, np.random.default_rng(1)))
+    np.testing.assert_allclose(joined, 0.0, atol=1e-12)
+
+
+def test_a_window_that_ends_a_turn_away_turns_what_follows(wide: Problem) -> None:
+    turns, path = Turns(wide), np.zeros((10, 12))
+    window = np.zeros((4, 12))
+    window[:, 3] = np.linspace(0.0, 2.0 * np.pi, 4)
+    rest, new, beside = turns.joined(path, window, 3, path[[2, 7]])
+    whole = rest.copy()
+    whole[3:7] = new
+    np.testing.assert_allclose(np.diff(whole[:, 3])[[2, 6]], 0.0, atol=1e-12)
+    np.testing.assert_allclose(beside, whole[[2, 7]])
+    np.testing.assert_allclose(np.ptp(whole[:, 3]), 2.0 * np.pi)
+    np.testing.assert_allclose(np.cos(rest), np.cos(path), atol=1e-12)
+
+
+def test_a_joint_without_the_room_for_a_turn_is_unwound(wide: Problem) -> None:
+    turns, path = Turns(wide), np.zeros((10, 12))
+    path[7:, 3] = 0.0, 3.0, 6.4  # with a turn more behind the window 12.7 rad of 12.56 there are
+    window = np.zeros((4, 12))
+    window[:, 3] = np.linspace(0.0, 6.2, 4)
+    rest, _, beside = turns.joined(path, window, 3, path[[2, 7]])
+    np.testing.assert_allclose(np.ptp(rest[:, 3]), 6.4)
+    np.testing.assert_allclose(beside[1] - beside[0], path[7] - path[2])
+    assert turns.unwound(np.linspace(-6.5, 6.5, 40)[:, None] * np.ones(12)) is None
+
+
+def test_what_two_paths_differ_in_is_put_onto_a_third(problem: Problem) -> None:
+    pool = Pool()
+    middle = np.tile(0.5 * (problem.lower + problem.upper), (5, 1))
+    left, right = middle.copy(), middle.copy()
+    left[:, 0] += 0.5
+    right[:, 7] -= 0.5
+    for value, q in ((3.0, middle), (2.0, left), (1.0, right)):
+        pool.offer(q, value)
+    both = middle.copy()
+    both[:, 0] += 0.5
+    both[:, 7] -= 0.5
+    found = transfers(pool, Turns(problem), 60, np.random.default_rng(0))
+    assert any(np.allclose(q, both) for q in found)
+    assert np.all(found < problem.upper + 0.3)
+    assert np.all(found > problem.lower - 0.3)
+
+
+def test_a_kind_that_won_gets_more_of_the_work_and_the_others_some() -> None:
+    shares, random = Shares([0.5, 0.5]), np.random.default_rng(0)
+    for _ in range(4):
+        shares.record(0, 0.2, 1.0)
+        shares.record(1, 0.2, 0.0)
+    drawn = np.bincount([shares.draw(random) for _ in range(1000)], minlength=2)
+    assert drawn[0] > 3 * drawn[1] > 0
+
+
+def test_a_new_best_is_worth_more_than_a_rival_and_a_twin_nothing() -> None:
+    pool, q, won = Pool(), np.zeros((3, 2)), []
+    for value, shift in ((2.0, 0.0), (1.0, 5.0), (1.0, 9.0), (1.5, 7.0)):
+        before = pool.won
+        pool.offer(q + shift, value)
+        won.append(pool.won - before)
+    assert won[:3] == [1.0, 1.0, 0.0]
+    assert 0.0 < won[3] < 1.0
 
 
 def replace_links(problem: Problem) -> Problem:

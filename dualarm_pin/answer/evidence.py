@@ -257,9 +257,9 @@ class Searches:
 
     @property
     def agree(self) -> bool:
-        """Whether three searches or more all found the answer."""
-        whole = self.kind == "searches" and len(self.objectives) >= LEAST_SEARCHES
-        return whole and self.hits == len(self.objectives)
+        """Whether three searches or more, and half of them or more, found the answer."""
+        enough = self.hits >= max(LEAST_SEARCHES, 0.5 * len(self.objectives))
+        return self.kind == "searches" and enough
 
 
 @dataclass(frozen=True)

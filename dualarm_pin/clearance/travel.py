@@ -58,17 +58,17 @@ def travel(cell: Cell, q: Array) -> Array:
 def _middles(cell: Cell, q: Array) -> tuple[Array, Array, Array]:
     """Return joints' origins and axes (h - 1, j, 3) and bodies' middles (h - 1, b, 3) halfway."""
     model, data, bodies = cell.model, cell.data(), cell.collision.geometryObjects
-    axes = [np.zeros(3)] + [joint_axis(model, k)[1] for k in range(1, model.njoints)]
-    balls = [body.placement.act(ball_of(body.geometry)[0]) for body in bodies]
-    origin = np.zeros((len(q) - 1, model.njoints, 3))
-    axis, centre = origin.copy(), np.zeros((len(q) - 1, len(balls), 3))
+    axes = np.array([np.zeros(3)] + [joint_axis(model, k)[1] for k in range(1, model.njoints)])
+    balls = np.array([body.placement.act(ball_of(body.geometry)[0]) for body in bodies])
+    carriers = [body.parentJoint for body in bodies]
+    poses = np.zeros((len(q) - 1, model.njoints, 4, 4))
     for i, middle in enumerate((q[1:] + q[:-1]) / 2.0):
         pin.forwardKinematics(model, data, cell.model_q(middle))
-        for k, pose in enumerate(data.oMi):
-            origin[i, k], axis[i, k] = pose.translation, pose.rotation @ axes[k]
-        for k, (body, ball) in enumerate(zip(bodies, balls, strict=True)):
-            centre[i, k] = data.oMi[body.parentJoint].act(ball)
-    return origin, axis, centre
+        poses[i] = [pose.homogeneous for pose in data.oMi]
+    rotation, origin = poses[..., :3, :3], poses[..., :3, 3]
+    centre = np.einsum("hbij,bj->hbi", rotation[:, carriers], balls.reshape(-1, 3))
+    axis = np.einsum("hkij,kj->hki", rotation, axes)
+    return origin, axis, centre + origin[:, carriers]
 
 
 def _up(model: pin.Model, joint: int) -> list[int]:

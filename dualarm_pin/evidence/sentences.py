@@ -20,7 +20,8 @@ from dualarm_pin.answer.evidence import (
 from dualarm_pin.evidence.laws import LEAST_HITS, LEAST_STARTS
 
 STOPPING_RULE = (
-    f"stop when {LEAST_SEARCHES} independent searches end at the same best value, or two "
+    f"stop when {LEAST_SEARCHES} independent searches or more, and no fewer than half of all, "
+    "end at the same best value, or two "
     f"ways of starting have made at least {LEAST_STARTS} starts (1000 for a "
     f"published number), end at the same best path, and each found it at least {LEAST_HITS} "
     "times; if the bound is requested, go on until the gap is under 0.1 % or the budget ends"
@@ -38,9 +39,9 @@ def tries(found: Searches, laws: Mapping[str, LawCount]) -> str:
         others = "others found no path"
     if found.kind == "searches":
         text = f"{found.hits} of {count} independent searches found this value"
-        return (
-            f"{text}{'' if found.hits == count else f', {others}: a better path may well exist'}."
-        )
+        if found.hits == count:
+            return f"{text}."
+        return f"{text}, {others}{'' if found.agree else ': a better path may well exist'}."
     rounds = "round" if count == 1 else "rounds"
     text = f"Best of {count} {rounds} of starts and {found.hops} hops"
     if found.hits >= _FOUND_TWICE:

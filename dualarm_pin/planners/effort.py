@@ -14,7 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from dualarm_pin.answer.evidence import Searches
+from dualarm_pin.answer.evidence import LEAST_SEARCHES, Searches
 from dualarm_pin.evidence.laws import count_laws, laws_suffice
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
@@ -57,9 +57,9 @@ class Budget:
 
 
 BUDGETS: dict[str, Budget] = {
-    "quick": Budget(1.2, check=0.06),
-    "normal": Budget(15.0, 3, 2.0, 2.5, 300, 0.4),
-    "thorough": Budget(48.0, 4, 6.0, 12.0, 1000, 1.0, bound=True),
+    "quick": Budget(1.4, check=0.06),
+    "normal": Budget(19.0, 8, 2.5, 2.5, 300, 0.4),
+    "thorough": Budget(48.0, 12, 6.0, 12.0, 1000, 1.0, bound=True),
 }
 _PARTS = 100  # of the work, as progress counts it
 _LEAST = 0.15  # share of its work that a search does before its agreement with others counts
@@ -202,8 +202,17 @@ class Search:
         return best is not None and _same(self.problem.objective(best), one.pool.best)
 
     def _agree(self) -> bool:
+        """Tell whether enough searches end at one value: all at first, half of them at the end.
+
+        Searches that still improve disagree; where all are at one value early it is the best one
+        that this kind of search finds, where most are there late the others are stuck.
+        """
         best = [each.pool.best for each in self.independent]
-        return bool(best) and np.isfinite(min(best)) and all(_same(b, min(best)) for b in best)
+        if not best or not np.isfinite(min(best)):
+            return False
+        spent = sum(each.work.spent for each in self.independent) / self.budget.work
+        there = sum(_same(value, min(best)) for value in best)
+        return there >= max(LEAST_SEARCHES, (1.0 - 0.5 * min(1.0, spent)) * len(best))
 
     def _scout(self) -> None:
         """Anchors alone, while they disagree: each time with twice the postures."""
@@ -259,7 +268,8 @@ class Search:
         best = min((each.pool.best for each in self.independent), default=np.inf)
         if np.isfinite(best):
             self.progress.note(f"best so far {best:.6g}")
-        self.cut = self.cut or time.monotonic() > self.deadline
+        begun = spent > 0.0 or self.further[0].drawn() is not None  # one step is made in any case
+        self.cut = self.cut or (begun and time.monotonic() > self.deadline)
         return not self.cut
 
 

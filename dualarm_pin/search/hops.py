@@ -2,13 +2,13 @@
 
 Most hops shift all joints at random, the others put the point on another branch (`Branches`).
 A window hop leaves the rest of the path as it is and solves its window between fixed neighbours; a
-whole hop has no neighbours. Splices join parts of several paths. None of these are independent
-starts: a hop knows what was found before, so it is no law and counts for no evidence.
+whole hop has no neighbours. Transfers and splices put paths together from several. Which kind gets
+how much of the work is seen from what it wins (`Shares`). None of these are independent starts: a
+hop knows what was found before, so it is no law and counts for no evidence.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -19,10 +19,12 @@ from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
 from dualarm_pin.search.branches import Branches
 from dualarm_pin.search.pool import Pool
+from dualarm_pin.search.shares import Shares
 from dualarm_pin.search.splice import splices
 from dualarm_pin.search.starts import generator
 from dualarm_pin.search.sweep import LONG, Sweeps
 from dualarm_pin.search.track import MUS
+from dualarm_pin.search.transfer import transfers
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
 from dualarm_pin.solution import Solutions
@@ -31,17 +33,19 @@ from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
+Integers = NDArray[np.int64]
 _BATCH = 8  # hops made at once ...
 _BATCH_COST = 0.1  # ... or fewer, where 20 iterations of each would cost more than this [s]
 _LOG_SHIFT = (np.log(0.3), np.log(3.0))  # rad, of all joints together
 _SCALES = 10.0 ** np.arange(-1, 3)  # of the links while walking
 _ITERATIONS = 60
-# How often which share of the path is a window: half of it wins three times as much for its work as
-# all, a quarter next to nothing once the path is good.
-_WINDOWS = {0.25: 0.15, 0.5: 0.4, 0.75: 0.2, 1.0: 0.25}
+# How likely which share of the path is believed to win as a window: a quarter next to nothing once
+# the path is good.
+_WINDOWS = {0.25: 0.05, 0.5: 0.3, 0.75: 0.2, 1.0: 0.25}
+_TRANSFERS = 0.2  # how often what two paths differ in is put onto a third
 _BRANCH = 0.25  # share of hops to another branch: on some cells they win most, on others nothing
 _HERE = Options(1e-3, 0, push=TOLERANCE.no_length)  # the objective of a start, and no more
-_SPLICE_EVERY = 5
+_LEAST = 2  # paths, from more of which others are put together
 _SPLICED = 12  # best paths that are spliced
 _OF_LONG = [31, 61]  # points of a hop on a long path, where links are weak and whole solves stall
 # Either the nearest minimum of the disturbed point alone, or merely its nearest place on the path.
@@ -72,40 +76,45 @@ class Hops:
         self.branches = Branches(problem)
         k = problem.k
         self._sizes = [min(k, max(9, int(share * k)) | 1) for share in _WINDOWS]
-        self._weights: Sequence[float] = tuple(_WINDOWS.values())
+        self._shares = Shares([*_WINDOWS.values(), _TRANSFERS])
         self._sweeps = Sweeps(problem, work, jobs) if k > LONG else None
         if self._sweeps is not None:
-            self._sizes, self._weights = _OF_LONG, (0.5, 0.5)
+            self._sizes, self._shares = _OF_LONG, Shares([0.5, 0.5])
         self.made = self._batches = 0
+        self._splicing = 0.0
         self._known: dict[bytes, Array] = {}
         self._spliced: set[bytes] = set()
 
     def make(self) -> None:
-        """Make one batch of hops of one size, every few batches splices as well.
+        """Make one batch of hops of one kind, and splices where it brought good paths.
 
         Raises:
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
         random = generator(self.seed, 41, self.number, self._batches)
         self._batches += 1
-        self._hop(int(random.choice(self._sizes, p=self._weights)), random)
-        many = len(self.pool.paths) > 2 and self._sweeps is None  # values of long paths cost more
-        if many and self._batches % _SPLICE_EVERY == 0:
+        kind, work, won = self._shares.draw(random), self.work.spent, self.pool.won
+        if kind < len(self._sizes):
+            self._hop(self._sizes[kind], random)
+        else:
+            self._transfer(random)
+        self._shares.record(kind, self.work.spent - work, self.pool.won - won)
+        many = (
+            len(self.pool.paths) > _LEAST and self._sweeps is None
+        )  # values of long paths cost more
+        if many and self.pool.won > self._splicing:
+            self._splicing = self.pool.won
             self._splice(random)
 
     def _hop(self, w: int, random: np.random.Generator) -> None:
         problem, pool = self.problem, self.pool
         k = problem.k
-        most = int(_BATCH_COST / self.work.seconds(20.0 * w))
-        batch = np.arange(max(1, min(_BATCH, most)))
-        base = np.array([pool.paths[pool.pick(random)] for _ in batch])
-        at = random.integers(0, k, len(batch))
+        base = np.array([pool.paths[pool.pick(random)] for _ in range(self._batch(w))])
+        at = random.integers(0, k, len(base))
         first = np.clip(at - w // 2, 0, k - w)
-        place = np.array([self._disturbed(q, random) for q in base[batch, at]])
-        scale = random.choice(_SCALES, len(batch))
+        place = np.array([self._disturbed(q, random) for q in base[np.arange(len(base)), at]])
+        scale = random.choice(_SCALES, len(base))
         alone = _PLACED if random.random() < 0.5 else _ALONE
-        mu, push = MUS[int(random.integers(len(MUS)))]
-
         placed = self._solved(place[:, None], alone, points=at)
         fit = np.flatnonzero(placed.residual < 0.05)
         if not len(fit):
@@ -125,8 +134,28 @@ class Hops:
         fit, starts = fit[walked.reached], walked.q[walked.reached]
         if not len(fit):
             return
-        base, first = base[fit], first[fit]
-        self.made += len(fit)
+        self._improve(base[fit], starts, first[fit], random)
+
+    def _transfer(self, random: np.random.Generator) -> None:
+        k, starts = self.problem.k, np.zeros(0)
+        if len(self.pool.paths) > _LEAST:
+            starts = transfers(self.pool, self.turns, self._batch(k), random)
+        if not len(starts):
+            return self._hop(k, random)
+        self._improve(starts.copy(), starts, np.zeros(len(starts), dtype=np.int64), random)
+
+    def _batch(self, w: int) -> int:
+        """Return how many windows of w points make a batch."""
+        return max(1, min(_BATCH, int(_BATCH_COST / self.work.seconds(20.0 * w))))
+
+    def _improve(
+        self, base: Array, starts: Array, first: Integers, random: np.random.Generator
+    ) -> None:
+        """Refine windows (s, w, n) of paths (s, k, n) that begin at points first (s,)."""
+        problem, pool = self.problem, self.pool
+        k, w, count = problem.k, starts.shape[1], len(starts)
+        mu, push = MUS[int(random.integers(len(MUS)))]
+        self.made += count
         fixed = problem.neighbours.posture
         beside = np.array(
             [
@@ -135,14 +164,16 @@ class Hops:
             ]
         )
         rows = np.arange(w) + first[:, None]
-        before = base[np.arange(len(fit))[:, None], rows]
+        before = base[np.arange(count)[:, None], rows]
         here = self._solved(before, _HERE, points=first, neighbours=beside).objective
+        for i, a in enumerate(first):
+            base[i], starts[i], beside[i] = self.turns.joined(base[i], starts[i], a, beside[i])
         ends = self._solved(
             starts,
             Options(TOLERANCE.search if w == k else 1e-5, _ITERATIONS, mu, push),
             points=first,
             neighbours=beside,
-            limit=np.full(len(fit), pool.limit) if w == k else here,
+            limit=np.full(count, pool.limit) if w == k else here,
         )
         if w == k:
             self._offer(ends)
@@ -172,7 +203,7 @@ class Hops:
         pool, problem = self.pool, self.problem
         paths = np.array(pool.paths[:_SPLICED])
         found = []
-        for q in splices(problem, paths, self._values(paths), random):
+        for q in splices(problem, self.turns, paths, self._values(paths), random):
             key = np.round(q, 2).tobytes()
             if key not in self._spliced:
                 self._spliced.add(key)

@@ -16,6 +16,7 @@ _KEPT = 20
 _FAVOUR = 2.0  # a path e^-1 times as likely to be picked as that two places before it
 _TIRED = 20  # after so many hops in vain a path is half as likely to be picked: some lead nowhere
 _RIVALS = 4  # starts are dropped above this one of the pool ...
+_NEAR = 0.25  # what a path is worth that becomes such a rival, where a new best is worth 1
 _CLOSE = 0.02  # ... but never within this share of the best
 
 
@@ -26,12 +27,14 @@ class Pool:
         paths: Joints (k, n) of each.
         objectives: Of each, ascending.
         picks: How often each was picked.
+        won: What was offered so far: one for each new best, a part for each that came near it.
     """
 
     def __init__(self) -> None:
         self.paths: list[Array] = []
         self.objectives: list[float] = []
         self.picks: list[int] = []
+        self.won = 0.0
 
     @property
     def best(self) -> float:
@@ -55,10 +58,18 @@ class Pool:
                 del self.paths[at], self.objectives[at], self.picks[at]
                 break
         at = int(np.searchsorted(self.objectives, objective))
+        self.won += self._worth(at, objective)
         self.paths.insert(at, q)
         self.objectives.insert(at, float(objective))
         self.picks.insert(at, 0)
         del self.paths[_KEPT:], self.objectives[_KEPT:], self.picks[_KEPT:]
+
+    def _worth(self, at: int, objective: float) -> float:
+        """Return what a path is worth that comes to a place: nothing if it is a twin of another."""
+        around = self.objectives[max(0, at - 1) : at + 1]
+        if any(abs(v - objective) < TOLERANCE.same_objective * abs(v) for v in around):
+            return 0.0
+        return 1.0 if at == 0 else _NEAR if at <= _RIVALS else 0.0
 
     def merged(self, others: Sequence[Pool]) -> Pool:
         """Return a new pool of the paths of this one and others."""

@@ -63,7 +63,7 @@ _OFF_PATH = 0.05  # a raced path farther off its rows pays ten times the excess
 # Of the links while walking: weak ones follow the minima of single points, those of the path stay
 # smooth; either finds what the other misses. In the order of Thue and Morse, so that each meets
 # every level and barrier.
-_SCALES = (0.1, 1.0)
+_SCALES = (0.05, 0.5)
 MUS = ((1e-2, 1e-3), (0.1, 1e-2))  # barrier and push of starts: either finds what the other misses
 
 
