@@ -72,3 +72,10 @@ def test_a_distance_above_what_matters_is_given_as_that() -> None:
     small, large = _mesh(0.1), _mesh(1.0)
     assert _distance(small, large, 1.5, hulls=0.4, most=0.2) == 0.2
     assert _distance(small, large, 1.2, hulls=0.1, most=0.2) == pytest.approx(0.1)
+
+
+def test_what_two_rays_leave_freely_is_outside_and_no_angle_is_measured(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("dualarm_pin.cell.solids.winding", lambda *_: pytest.fail("measured"))
+    assert _distance(_mesh(0.1), _mesh(1.0, sides=4), 0.0) > 0.5

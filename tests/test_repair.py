@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pinocchio as pin
@@ -13,6 +16,7 @@ from paper_case import TASK
 
 import dualarm_pin.evidence.bound as bound_module
 from dualarm_pin.answer.folder import load_result, save_result
+from dualarm_pin.answer.notes import GlobalNotes
 from dualarm_pin.cell import Cell
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
@@ -25,13 +29,16 @@ from dualarm_pin.files.resources import urdf_folder
 from dualarm_pin.planners.apart import held_problem
 from dualarm_pin.planners.effort import BUDGETS
 from dualarm_pin.planners.whole_path import plan_global
-from dualarm_pin.repair.basin import Basin, inner_postures
+from dualarm_pin.problem import Problem
+from dualarm_pin.repair.basin import Basin, Standing, Steps, inner_postures
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
 from dualarm_pin.repair.known import Known, Measured
-from dualarm_pin.repair.meter import LongError, Meter, OverError
+from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
+from dualarm_pin.repair.race import Race
 from dualarm_pin.repair.survey import Survey, box_around
+from dualarm_pin.repair.walks import stepped
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
 from dualarm_pin.show.report_tables import tables_of
 from dualarm_pin.task import Task
@@ -235,7 +242,7 @@ def test_ctrl_c_keeps_what_came_apart_so_far(
     def interrupted(*_: object, **__: object) -> Array:
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("dualarm_pin.repair.pool.walked", interrupted)
+    monkeypatch.setattr("dualarm_pin.repair.walks.Walks.next", interrupted)
     minima = [(survey.problem.objective(best), best)]
     apart = keep_apart(Basin(survey, between=True), minima, EFFORTS["quick"], seed=0, jobs=1)
     assert apart.cut
@@ -243,16 +250,65 @@ def test_ctrl_c_keeps_what_came_apart_so_far(
     assert apart.tried == 1
 
 
-def test_one_path_may_cost_a_share_of_the_budget(task: Task) -> None:
+class _Scripted:
+    """A basin whose paths stand as they are told, and end; a round costs a tenth of the budget."""
+
+    def __init__(self, problem: Problem, ends: dict[float, list[Standing]]) -> None:
+        self.survey = SimpleNamespace(meter=Meter(problem))
+        self.ends, self.rounds = ends, list[float]()
+
+    def steps(self, q: Array, way: float | None, *, margin: float) -> Steps:
+        name = float(q[0, 0])
+        for standing in self.ends[name]:
+            self.rounds.append(name)
+            self.survey.meter.spent += 0.1
+            yield standing
+        return None
+
+
+def _race(problem: Problem, ends: dict[float, list[Standing]]) -> tuple[Race, _Scripted]:
+    basin = _Scripted(problem, ends)
+    race = Race(cast(Basin, basin), 1.0)
+    for name in ends:
+        race.enter(np.full((1, 1), name), name, "walk")
+    return race, basin
+
+
+def test_a_round_goes_to_the_path_that_promises_most(task: Task) -> None:
+    near, deep = Standing(4.0, 0.0, False), Standing(2.0, 0.3, False)
+    race, basin = _race(task.problem(), {3.0: [deep] * 9, 4.5: [near] * 9})
+    for _ in range(6):
+        race.round(np.inf)
+    assert basin.rounds[:2] == [3.0, 3.0]  # at first what it promised before counts
+    assert basin.rounds[-1] == 4.5
+
+
+def test_a_path_that_is_apart_gives_up_where_it_cannot_get_below_the_best(task: Task) -> None:
+    falls = [Standing(9.0, 0.0, True), Standing(6.0, 0.0, True), Standing(5.99, 0.0, True)]
+    race, _ = _race(task.problem(), {3.0: falls})
+    assert race.round(5.0) == (False, None)  # nothing is known of how it falls
+    assert race.round(5.0) == (False, None)  # it fell by 3
+    assert race.round(5.0) == (True, None)  # it will not fall by 1 any more
+    assert len(race) == 0
+
+
+def test_where_one_path_is_lost_less_is_expected_of_its_kind(task: Task) -> None:
+    race, _ = _race(task.problem(), {3.0: [], 4.0: []})
+    race.enter(np.full((1, 1), 3.0), 5.0, "minimum")
+    assert race.round(np.inf) == (True, None)
+    assert race.best == 5.0  # the other walk promised 4 before
+
+
+def test_a_budget_counts_meshes_by_their_triangles(task: Task) -> None:
     meter = Meter(task.problem(), 1.0)
-    meter.allow(0.5)
-    meter.solved(0, 1, 0)
-    with pytest.raises(LongError):
-        for _ in range(4000):
-            meter.meshes()
-    meter.allow(np.inf)
-    meter.meshes()
-    assert 0.5 < meter.spent < 0.6
+    meter.meshes(0)
+    few = meter.spent
+    meter.meshes(10_000)
+    assert meter.spent > 3.0 * few
+    meter.found = True
+    with pytest.raises(OverError):
+        for _ in range(3000):
+            meter.meshes(10_000)
 
 
 def test_a_budget_ends_a_repair_and_what_was_found_is_kept(task: Task, best: Array) -> None:
@@ -289,3 +345,32 @@ def test_a_long_path_is_not_begun_anew_after_ctrl_c(
     answer = plan_global(task, effort="quick", jobs=1)
     assert begun == ([48] if cut else [48, 141])
     assert answer.message.startswith(f"none of {2 if cut else 4} paths that were tried")
+
+
+def test_points_between_those_of_a_path_that_is_apart_are_set_down_one_by_one() -> None:
+    task = Task.load(
+        urdf_folder() / "tasks" / "b06.yaml", ["clearance=0.01", "path.dome_spiral.points=150"]
+    )
+    answer = plan_global(task, effort="quick", jobs=1)
+    assert answer.found, answer.message
+
+
+def test_a_point_solved_alone_stays_within_its_reach(survey: Survey, best: Array) -> None:
+    i, reach = 15, 0.02
+    start = np.clip(best[[i]] + 0.1, survey.problem.lower, survey.problem.upper)
+    free, _ = stepped(survey, i, start, best[[i - 1, i + 1]], np.ones(2))
+    held, _ = stepped(survey, i, start, best[[i - 1, i + 1]], np.ones(2), reach)
+    assert np.abs(free - start).max() > 2.0 * reach
+    assert np.abs(held - start).max() <= reach + TOLERANCE.fixed_joint
+
+
+def test_a_time_limit_leaves_time_for_the_check() -> None:
+    task = Task.load(urdf_folder() / "tasks" / "b09.yaml", ["clearance=0.01"])
+    limit = 4.0
+    begun = time.monotonic()
+    answer = plan_global(task, effort="thorough", jobs=1, time_limit=limit)
+    assert isinstance(answer.notes, GlobalNotes)
+    assert answer.notes.interrupted
+    # A step under way and the check are finished: seconds on a busy machine, not the minute that
+    # thorough takes.
+    assert time.monotonic() - begun < 3.0 * limit

@@ -14,6 +14,7 @@ from dualarm_pin.arrays import Array
 
 _AROUND = 0.99  # of the sphere; an open bin leaves more of it free wherever a part lies in it
 _NO_ANGLE = 1e-300  # keeps a triangle through the point out of 0 / 0
+_FREE = 2  # of the six rays along the axes: so many that meet no triangle end outside
 
 
 class Solids:
@@ -28,6 +29,7 @@ class Solids:
         self._pairs = [(pair.first, pair.second) for pair in bodies.collisionPairs]
         self._corners: dict[int, Array] = {}
         self._triangles: dict[int, Array] = {}
+        self._boxes: dict[int, tuple[Array, Array]] = {}
 
     def distance(
         self, pair: int, scene: pin.GeometryData, hulls: float, most: float = np.inf
@@ -53,6 +55,11 @@ class Solids:
             result.min_distance = 0.0
         return result
 
+    def triangles(self, pair: int) -> int:
+        """Return how many triangles the meshes of a pair have together."""
+        shapes = [self._shapes[k] for k in self._pairs[pair]]
+        return sum(int(shape.num_tris) for shape in shapes if _is_mesh(shape))
+
     def _holds(self, ends: tuple[int, int], poses: list[pin.SE3]) -> bool:
         """Tell whether a point of the second body is inside the mesh of the first."""
         outer, inner = ends
@@ -65,7 +72,26 @@ class Solids:
         corners = self._corners_of(outer)
         if np.any(point < corners.min(axis=0)) or np.any(point > corners.max(axis=0)):
             return False
+        if self._free(outer, point) >= _FREE:
+            return False
         return abs(winding(self._triangles_of(outer), point)) > _AROUND
+
+    def _free(self, body: int, point: Array) -> int:
+        """Return how many of the six rays along the axes surely meet no triangle of a mesh.
+
+        By the boxes of the triangles: a few comparisons, where the winding number is dear.
+        """
+        if body not in self._boxes:
+            triangles = self._triangles_of(body)
+            self._boxes[body] = triangles.min(axis=1).T.copy(), triangles.max(axis=1).T.copy()
+        low, high = self._boxes[body]
+        within = [(low[k] <= point[k]) & (point[k] <= high[k]) for k in range(3)]
+        free = 0
+        for k in range(3):
+            on_line = within[k - 2] & within[k - 1]
+            free += not np.any(high[k][on_line] >= point[k])
+            free += not np.any(low[k][on_line] <= point[k])
+        return free
 
     def _corners_of(self, body: int) -> Array:
         if body not in self._corners:

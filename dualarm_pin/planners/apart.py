@@ -34,7 +34,8 @@ if TYPE_CHECKING:
     from dualarm_pin.task import Task
 
 _CHECKED = 3  # paths, the best first, of which the first is taken that the check confirms
-_CHECK = 0.25  # of what is left of a time limit: for the check of the answer
+# Of what is left of a time limit, for the check of the answer; and a second, or half of it.
+_CHECK, _CHECK_S, _CHECK_MOST = 0.25, 1.0, 0.5
 _MORE_ROOM = 3  # times; a dip that the check finds is less than a millimetre as a rule
 _NEAR, _HELD = 0.05, 1e-3  # m: with more room, before and after, a row has no part in the path
 
@@ -85,7 +86,9 @@ def plan_apart(
         return None
     progress.stage("paths that keep the bodies apart")
     left = max(deadline - time.monotonic(), 0.0)
-    stop = deadline if left == np.inf else deadline - _CHECK * left
+    stop = deadline
+    if left < np.inf:
+        stop -= max(_CHECK * left, min(_CHECK_S, _CHECK_MOST * left))
     how, apart = EFFORTS[effort], Apart()
     if free.problem.k > LONG:
         apart = led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs, given=given)
@@ -106,6 +109,8 @@ def plan_apart(
     answer = None
     for end in apart.found[:_CHECKED]:  # the check looks closer than the repair
         for path in _with_room(task, basin, end):
+            if answer is not None and time.monotonic() > deadline:
+                break
             q = _polished(basin, path)
             answer = verified(task, free.whole(q), timing=clock.read(compile_s), **provenance)
             if answer.found:

@@ -89,7 +89,6 @@ def plan_global(
         return never
     compile_s = engine.ensure_compiled(progress.line)
     begun, limit = time.monotonic(), np.inf if time_limit is None else time_limit
-    share = _SEARCHED if asked_of(task).any else 1.0
     search = Search(
         problem,
         budget,
@@ -98,7 +97,7 @@ def plan_global(
         solver=solver,
         progress=progress,
         starts=starts,
-        deadline=begun + share * limit,
+        deadline=_searched_until(task, begun + limit),
     )
     interrupted = _until_ctrl_c(search.run)
     found = search.best()
@@ -203,6 +202,15 @@ def polish(task: Task, q: Array, *, solver: Solver = ENGINE, seed: int | None = 
         seed=seed,
         notes=PolishNotes(improved=better),
     )
+
+
+def _searched_until(task: Task, deadline: float) -> float:
+    """Return until when to search, if all has to be done by a deadline (monotonic time [s])."""
+    if not asked_of(task).any:
+        return deadline
+    task.cell.collision_meshes  # noqa: B018 - read now, so that it is known what time is left
+    begun = time.monotonic()
+    return begun + _SEARCHED * (deadline - begun)
 
 
 def _until_ctrl_c(work: Callable[[], None]) -> bool:

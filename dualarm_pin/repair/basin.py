@@ -7,7 +7,9 @@ much their radii are reduced decides on which side the bodies pass each other.
 
 from __future__ import annotations
 
+from collections.abc import Generator
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -25,6 +27,7 @@ _ROUNDS, _MORE_ROUNDS = 16, 6  # of witness rows; of postures between the points
 _PATIENCE, _PROGRESS = 3, 0.8  # rounds in which the worst lack must shrink to this share
 _CUTS = 4  # solves with the same planes, each with the corners that the last brought through them
 _SLIP, _HALVINGS = 0.02, 2  # m: rows are made anew before bodies are deeper in each other
+_WILD = 10.0  # times the objective: a solve that ends there is lost, and no corner helps
 _STILL = 5e-3  # rad or m: less movement is no reason for another round
 _ITERATIONS = 60  # of a solve
 _SMALL = 5e-3  # m: a lack that a few rounds may still take away
@@ -33,7 +36,7 @@ _MU = 1e-3  # a start is nearly the answer
 _LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
 _LED_MU = 1e-2  # capsules move it far
 _SLACK = 1e-4  # m: what lacks less leaves room for what is between the postures looked at
-_ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
+ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
 _DIP = 1.1  # times what lacks between two points is asked of both
 
 
@@ -58,16 +61,34 @@ class Repaired:
     extra: Array
 
 
+class Standing(NamedTuple):
+    """Where a path stands after a round.
+
+    Attributes:
+        value: Objective there.
+        lack: The largest lack of its bodies [m].
+        kept: They are far enough apart at the points, and the path is on its rows.
+    """
+
+    value: float
+    lack: float
+    kept: bool
+
+
+Steps = Generator[Standing, None, Repaired | None]
+
+
 class Basin:
     """Moves paths of a survey's problem.
 
     Attributes:
         survey: What measures.
         between: Whether the postures between the points count too.
+        settle: Whether rounds go on after the first path that is apart, while they still gain.
     """
 
-    def __init__(self, survey: Survey, *, between: bool) -> None:
-        self.survey, self.between = survey, between
+    def __init__(self, survey: Survey, *, between: bool, settle: bool = True) -> None:
+        self.survey, self.between, self.settle = survey, between, settle
 
     def keeps(self, q: Array) -> bool:
         """Tell whether the bodies of a path (k, n) are far enough apart as it is."""
@@ -93,16 +114,28 @@ class Basin:
             limit: Objective above which nothing is looked for.
             margin: Asked of bodies of different arms at first, beyond what is required [m].
         """
+        return _ended(self.steps(q, reduction, limit, margin=margin))
+
+    def steps(
+        self,
+        q: Array,
+        reduction: float | None = None,
+        limit: float = np.inf,
+        *,
+        margin: float = 0.0,
+    ) -> Steps:
+        """Yield where a path stands after each round, and return what `repaired` does."""
         if margin > 0.0:
             more = np.zeros((len(self.survey.pairs.number), len(q)))
             more[self.survey.pairs.loose] = margin
-            wider = self._apart(q, more, np.inf)
+            wider = yield from self._apart(q, more, np.inf)
             if wider is None:
                 return None
             q = wider.q
         if reduction is not None:
             q = self._led(q, reduction)
-        return self._kept(q, np.zeros((len(self.survey.pairs.number), len(q))), limit)
+        nothing = np.zeros((len(self.survey.pairs.number), len(q)))
+        return (yield from self._kept(q, nothing, limit))
 
     def roomier(self, path: Repaired, pair: int, line: int, lack: float) -> Repaired | None:
         """Return where a path leads with more room for a pair on the line after a point.
@@ -114,78 +147,87 @@ class Basin:
             lack: What is missing there [m].
         """
         extra = path.extra.copy()
-        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, _ENOUGH)
-        return self._kept(path.q, extra, np.inf)
+        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, ENOUGH)
+        return _ended(self._kept(path.q, extra, np.inf))
 
-    def _kept(self, q: Array, extra: Array, limit: float) -> Repaired | None:
+    def _kept(self, q: Array, extra: Array, limit: float) -> Steps:
         """Return the end of rounds at the points and then between them; `extra` is changed."""
-        found, kept = self._apart(q, extra, limit), None
-        for _ in range(_MORE_ROUNDS if self.between else 0):
-            if found is None:
-                break
-            lack = self._add_dips(found.q, extra)
-            if lack <= _ENOUGH and (kept is None or found.objective < kept.objective):
-                kept = found
-            if lack <= _SLACK:
+        found = yield from self._apart(q, extra, limit)
+        if not self.between:
+            return found
+        for _ in range(_MORE_ROUNDS):
+            if found is None or self.add_dips(found.q, extra) <= ENOUGH:
                 return found
-            found = self._apart(found.q, extra, limit)
-        return kept if self.between else found
+            found = yield from self._apart(found.q, extra, limit)
+        return None
 
-    def _apart(self, q: Array, extra: Array, limit: float) -> Repaired | None:
+    def _apart(self, q: Array, extra: Array, limit: float) -> Steps:
         """Return the end of rounds of witness rows, `extra` (p, k) asked beyond what is [m]."""
         best: Repaired | None = None
         lacks: list[float] = []
+        vain = 0
         contacts = self.survey.contacts(q, REACH, extra)
         corners = contacts.take(np.zeros(0, dtype=np.int64))
         for _ in range(_ROUNDS):
             lacks.append(contacts.worst)
             if best is None and _hopeless(lacks):
                 break
-            path, found, corners = self._round(q, contacts, corners, extra, limit)
+            path, value, found, corners = self._round(q, contacts, corners, extra, limit)
             if path is None:
                 break
             moved = float(np.abs(path.q - q).max())
             q, contacts = path.q, found
-            if contacts.kept.all() and np.isfinite(path.objective):
+            kept = bool(contacts.kept.all())
+            vain = vain + 1 if kept and not np.isfinite(path.objective) else 0
+            if vain == _PATIENCE:  # apart, but no joints are on the path and hold that
+                break
+            yield Standing(value, contacts.worst, kept and not vain)
+            if kept and not vain:
                 settled = best is not None and path.objective > (1.0 - _SETTLED) * best.objective
                 if best is None or path.objective < best.objective:
                     best = path
-                if settled or moved < _STILL:
+                if settled or moved < _STILL or not self.settle:
                     break
         return best
 
     def _round(
         self, q: Array, contacts: Contacts, corners: Contacts, extra: Array, limit: float
-    ) -> tuple[Repaired | None, Contacts, Contacts]:
+    ) -> tuple[Repaired | None, float, Contacts, Contacts]:
         """Solve from q with planes made for q, until they hold all that the solve brings near.
 
         Returns:
             Where it ends, or less far where bodies then collide more than before (with an infinite
-            objective), the contacts there, and the corners that had to be held beside the nearest
-            points; no path where none below the limit can come of it.
+            objective), the objective that the last solve came to, the contacts there, and the
+            corners that had to be held beside the nearest points; no path where none below the
+            limit can come of it.
         """
         survey, start, many = self.survey, q, len(self.survey.pairs.number)
         held = contacts.joined(on_planes(corners, contacts, many))
         most = max(contacts.worst, TOLERANCE.clearance)
+        wild = _WILD * max(_value(survey.problem, q), survey.problem.size)
         for _ in range(_CUTS):
             apart = asked_apart(held)
             problem = survey.problem.with_pairs(witness_table(survey, held, apart, len(q)))
             end = self._solved(problem, start, _MU)
             if end.feasible and end.objective > limit:
-                return None, contacts, corners
+                return None, end.objective, contacts, corners
             found = survey.contacts(end.q, REACH, extra)
             if found.worst <= most:
                 value = end.objective if end.feasible else np.inf
-                return Repaired(end.q, value, problem, held, apart, extra.copy()), found, corners
+                path = Repaired(end.q, value, problem, held, apart, extra.copy())
+                return path, end.objective, found, corners
+            if end.objective > wild and not end.feasible:
+                break
             feet, others = cuts(survey, held, end.q, found.take(found.lack > 0.0))
             corners, held, start = corners.joined(feet), held.joined(feet).joined(others), end.q
-        path = end.q
+        at = end.q
         for _ in range(_HALVINGS):
-            path = (q + path) / 2.0
-            found = survey.contacts(path, REACH, extra)
+            at = (q + at) / 2.0
+            found = survey.contacts(at, REACH, extra)
             if found.worst <= max(most, _SLIP):
                 break
-        return Repaired(path, np.inf, problem, held, apart, extra.copy()), found, corners
+        path = Repaired(at, np.inf, problem, held, apart, extra.copy())
+        return path, end.objective, found, corners
 
     def _led(self, q: Array, reduction: float) -> Array:
         """Return where capsules with reduced radii lead a path; rows are added as they are met."""
@@ -208,7 +250,7 @@ class Basin:
         self.survey.meter.solved(end.iterations, problem.k, rows)
         return end
 
-    def _add_dips(self, q: Array, extra: Array) -> float:
+    def add_dips(self, q: Array, extra: Array) -> float:
         """Add what lacks between the points to both ends (p, k).
 
         Returns:
@@ -233,8 +275,28 @@ def inner_postures(q: Array) -> Array:
     return between.reshape(-1, q.shape[1])
 
 
+def _value(problem: Problem, q: Array) -> float:
+    """Return the objective of a path, by the engine."""
+    return solve(problem, q, Options(iterations=0, push=TOLERANCE.no_length)).objective
+
+
+def _ended(steps: Steps) -> Repaired | None:
+    """Return what steps lead to."""
+    while True:
+        try:
+            next(steps)
+        except StopIteration as end:
+            found: Repaired | None = end.value
+            return found
+
+
 def _hopeless(lacks: list[float]) -> bool:
-    """Tell whether the rounds have stopped to bring the bodies apart."""
+    """Tell whether the rounds have stopped to bring the bodies apart.
+
+    A start that the first solve leaves far behind is no measure of them.
+    """
+    if len(lacks) > 1 and lacks[0] < lacks[1]:
+        lacks = lacks[1:]
     if len(lacks) <= _PATIENCE:
         return False
     first = max(min(lacks[:-_PATIENCE]), _SMALL)

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-import itertools
 import time
 from collections.abc import Sequence
 
+import numpy as np
+
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.basin import ENOUGH, Basin, Repaired
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import Apart, Effort, keep_apart
 from dualarm_pin.repair.survey import Survey
+from dualarm_pin.repair.walks import stepped
+from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
 from dualarm_pin.search.coarse import Coarse, coarse_of
+from dualarm_pin.solvers.projection import project
+from dualarm_pin.tolerance import TOLERANCE
 
 LONG = 100  # points; a path with more is led by a few of them
 _FEW = 48  # points: about as many as a short path has, where repairs are cheap
+_DENSE = 6  # times as many points: so far they follow a path by themselves, mostly
+_ALONE = 5  # solves of a point alone, until its bodies are apart
+_REACH = 0.2  # rad or m, that it may move in one
+_ROUNDS = 8  # over the points whose bodies are not apart
 _GIVEN = 2  # paths of a few points, of which the first is taken that all points can follow
 
 
@@ -55,13 +64,8 @@ def led_by_few(
     survey = basin.survey
     try:
         for each in apart.found[:_GIVEN]:
-            q = _followed(levels, each.q, survey, effort, deadline)
-            if q is None:
-                continue
-            survey.meter = Meter(whole, effort.work, deadline)
-            path = Basin(survey, between=False).repaired(q)
-            survey.meter = Meter(whole)  # what follows is a check
-            if path is not None and basin.keeps(path.q):
+            path = _followed(levels, each.q, basin, effort, deadline)
+            if path is not None:
                 result.found = [path]
                 break
     except OverError:
@@ -75,16 +79,68 @@ def led_by_few(
 def _on(level: Coarse, survey: Survey, effort: Effort, deadline: float) -> Basin:
     """Return what moves paths of some points apart; the whole path is looked at between them."""
     meter = Meter(level.problem, effort.work, deadline)
-    return Basin(Survey(level.problem, survey.pairs, meter), between=False)
+    return Basin(Survey(level.problem, survey.pairs, meter), between=False, settle=False)
 
 
 def _followed(
-    levels: Sequence[Coarse], q: Array, survey: Survey, effort: Effort, deadline: float
-) -> Array | None:
-    """Return a start (k, n) where ever more points follow a path of the first level, or None."""
-    for before, level in itertools.pairwise(levels):
-        path = _on(level, survey, effort, deadline).repaired(before.start(q)[level.points])
-        if path is None:
+    levels: Sequence[Coarse], q: Array, basin: Basin, effort: Effort, deadline: float
+) -> Repaired | None:
+    """Return a path of all points that follows one of the first level, or None.
+
+    As soon as there are enough points the rest is put between them; where these do not come apart
+    one by one, more points follow together.
+    """
+    survey, whole, last = basin.survey, basin.survey.problem, levels[0]
+    for level in levels:
+        if level is not levels[0]:
+            few = _on(level, survey, effort, deadline)
+            path = few.repaired(_cleared(few.survey, last.start(q)[level.points]))
+            if path is None:
+                return None
+            q, last = path.q, level
+        if len(level.points) * _DENSE >= whole.k:
+            survey.meter = Meter(whole, effort.work, deadline)
+            path = _set_down(basin, level.start(q))
+            if path is not None:
+                return path
+    survey.meter = Meter(whole, effort.work, deadline)
+    path = Basin(survey, between=False, settle=False).repaired(_cleared(survey, last.start(q)))
+    survey.meter = Meter(whole)
+    return path if path is not None and basin.keeps(path.q) else None
+
+
+def _set_down(basin: Basin, q: Array) -> Repaired | None:
+    """Put a path (k, n) near the poses onto them, and move apart what is not, point by point."""
+    survey, problem = basin.survey, basin.survey.problem
+    extra = np.zeros((len(survey.pairs.number), len(q)))
+    for _ in range(_ROUNDS):
+        q, residual = project(problem, q)
+        contacts = survey.contacts(q, REACH, extra)
+        if residual > TOLERANCE.on_path:
             return None
-        q = path.q
-    return levels[-1].start(q)
+        if contacts.kept.all() and (not basin.between or basin.add_dips(q, extra) <= ENOUGH):
+            apart = asked_apart(contacts)
+            held = problem.with_pairs(witness_table(survey, contacts, apart, len(q)))
+            return Repaired(q, problem.objective(q), held, contacts, apart, extra)
+        q = _cleared(survey, q, extra)
+    return None
+
+
+def _cleared(survey: Survey, q: Array, extra: Array | None = None) -> Array:
+    """Return a path (k, n) whose points were moved apart one by one, their neighbours held.
+
+    Between points that are apart bodies may dip deeply into each other; a whole path hardly comes
+    out of that, a point by itself nearly always does.
+    """
+    q, both = q.copy(), np.ones(2)
+    if extra is None:
+        extra = np.zeros((len(survey.pairs.number), len(q)))
+    lacking = survey.contacts(q, 0.0, extra)
+    for i in np.unique(lacking.point[~lacking.kept]).tolist():
+        beside = q[[max(i - 1, 0), min(i + 1, len(q) - 1)]]
+        for _ in range(_ALONE):
+            moved, contacts = stepped(survey, i, q[i : i + 1], beside, both, _REACH, extra[:, [i]])
+            if contacts.kept.all():
+                break
+            q[i] = moved
+    return q

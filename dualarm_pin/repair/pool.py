@@ -9,14 +9,22 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.repair.basin import Basin, Repaired
-from dualarm_pin.repair.meter import LongError, Meter, OverError
-from dualarm_pin.repair.walks import walked
+from dualarm_pin.repair.meter import Meter, OverError
+from dualarm_pin.repair.race import Race, promise
+from dualarm_pin.repair.walks import Walks
 from dualarm_pin.solution import same_path
 
 _ALIKE = 1e-3  # of the objective: minima nearer than this are twins, of which one is enough
-_HOPE = 1.02  # times the best: rounds of planes may still take so much off an objective
 _MARGINS = (0.02, 0.01, 0.04)  # m: the distances of bodies are smoother farther out
-_REDUCTIONS: tuple[float | None, ...] = (None, 0.06, 0.03, 0.1, 0.0)
+_EASED = 0.98  # of the best: what it promises when it is moved apart once more, with a margin
+_REDUCTIONS = (0.06, 0.03, 0.1, 0.0)  # m: on which side bodies pass each other
+_LED = 1.1  # times as much is expected of a path that capsules lead
+_DEEP = 0.08  # m: minima that lack more hardly ever come apart, whatever it costs
+_NEARLY = 0.06  # m: a path that lacks no more is moved apart before any walk ...
+_STILL_NEAR = 1.5  # ... as long as no more than so many times what it promised is expected
+_FIRST = 0.5  # of the work, that the first walks may take before any path is moved apart
+_MINIMUM, _LED_ONE, _WALK, _BEST = "minimum", "led by capsules", "walk", "best"
+_LOOKED_AT = 10  # points of a minimum, at which its lack is measured first
 
 
 @dataclass(frozen=True)
@@ -27,29 +35,25 @@ class Effort:
         work: Seconds of a usual processor, as `Meter` counts them.
         postures: Postures drawn at each anchor.
         walks: Minima of each anchor that are walked from.
-        refined: Walks that are refined, best first.
-        basins: Minima of the search that are repaired, while they are lower than the best.
+        basins: Minima of the search that are repaired.
         ways: Ways of leading each of them out of a collision.
         rounds: Times that walks are drawn anew.
         margins: Margins with which the best is moved apart again.
-        share: Of the work, that one path may cost.
     """
 
     work: float = 2.2
     postures: int = 100
-    walks: int = 4
-    refined: int = 5
-    basins: int = 2
-    ways: int = 2
-    rounds: int = 1
+    walks: int = 6
+    basins: int = 8
+    ways: int = 1
+    rounds: int = 4
     margins: int = 1
-    share: float = 0.4
 
 
 EFFORTS = {
     "quick": Effort(),
-    "normal": Effort(18.0, 150, 10, 15, 16, 3, 1, 3, 0.3),
-    "thorough": Effort(75.0, 200, 16, 24, 16, 5, 3, 3, 0.1),
+    "normal": Effort(18.0, 150, 10, 16, 2, 1, 3),
+    "thorough": Effort(75.0, 200, 16, 24, 4, 3, 3),
 }
 
 
@@ -110,26 +114,11 @@ def keep_apart(
     """
     result, meter = Apart(), basin.survey.meter
     tries = _Tries(basin, effort, result, seed, jobs)
-    differing = _differing(minima)
     try:
         for path in given:
             tries.take(path)
-        for _, path in differing[:1]:  # often it is nearly apart
-            tries.take(path)
-        for number in range(effort.rounds):
-            tries.walk(number, effort.postures)
-            if not number:
-                tries.lower(differing[1 : effort.basins], _REDUCTIONS[:1])
-                tries.lower(differing[: effort.basins], _REDUCTIONS[1 : effort.ways])
-        tries.ease(_MARGINS[: effort.margins])
-        number = effort.rounds
-        while result.best is None:  # never without an answer while there is a budget
-            spent = meter.spent
-            tries.lower(differing, _REDUCTIONS[number % len(_REDUCTIONS) :][:1])
-            tries.walk(number, effort.postures << 1)
-            number += 1
-            if meter.spent == spent:
-                break
+        tries.enter(_differing(minima))
+        tries.run()
     except OverError:
         result.complete, result.cut = False, meter.cut
     except KeyboardInterrupt:
@@ -139,53 +128,93 @@ def keep_apart(
 
 
 class _Tries:
-    """What is tried, one after the other."""
+    """What is tried: minima of the search and walks, which have the budget by halves."""
 
     def __init__(
         self, basin: Basin, effort: Effort, result: Apart, seed: int, jobs: int | None
     ) -> None:
         self.basin, self.effort, self.result = basin, effort, result
         self.seed, self.jobs = seed, jobs
+        self.race = Race(basin, effort.work)
+        self._minima: Sequence[tuple[float, Array]] = []
+        self._margins = list(_MARGINS[: effort.margins])
+        self._drawn, self._near = 0, np.inf
+        self._walks = self._drawn_anew(effort.postures)
 
-    def take(
-        self, path: Array, way: float | None = None, margin: float = 0.0, *, patient: bool = False
-    ) -> None:
-        """Move one path apart; a patient try may take the whole budget while there is none."""
-        meter, best = self.basin.survey.meter, self.result.best
-        limit = np.inf if best is None else best.objective
-        meter.allow(self.effort.share if meter.found or not patient else 1.0)
-        try:
-            self.result.take(self.basin.repaired(path, way, _HOPE * limit, margin=margin))
-        except LongError:
-            self.result.take(None)
-        meter.allow(np.inf)
-        meter.found = self.result.best is not None
+    def take(self, path: Array) -> None:
+        """Move one path apart."""
+        self._keep(self.basin.repaired(path))
 
-    def lower(self, minima: Sequence[tuple[float, Array]], ways: Sequence[float | None]) -> None:
-        """Move apart what is lower than the best."""
-        for objective, path in minima:
-            for way in ways:
-                if self.result.best is None or objective < self.result.best.objective:
-                    self.take(path, way)
+    def enter(self, minima: Sequence[tuple[float, Array]]) -> None:
+        """Let minima of the search take part."""
+        self._minima = minima
+        for value, path in minima[: self.effort.basins]:
+            some = path[:: max(1, len(path) // _LOOKED_AT)]
+            lack = self.basin.survey.contacts(some, 0.0, enough=_DEEP).worst
+            if lack > _DEEP:
+                continue
+            expected = promise(value, lack)
+            if lack < _NEARLY:
+                self._near = min(self._near, expected)
+            self.race.enter(path, expected, _MINIMUM)
+            for number, way in enumerate(_REDUCTIONS[: self.effort.ways - 1], 1):
+                self.race.enter(path, expected * _LED**number, _LED_ONE, way)
 
-    def walk(self, number: int, postures: int) -> None:
-        """Walk, and move apart where the best walks end."""
-        walks = walked(
+    def run(self) -> None:
+        """Walk first, if no minimum is nearly apart; then whichever has had less of the work."""
+        meter, race = self.basin.survey.meter, self.race
+        walked = moved = last = 0.0
+        near = self._near < np.inf
+        while True:
+            before, best = meter.spent, self.result.best
+            near = near and race.best < _STILL_NEAR * self._near
+            if not near and self._walks_next(walked, moved):
+                for value, start in self._walks.next():
+                    race.enter(start, value, _WALK)
+                walked += meter.spent - before
+            elif self._margins and best is not None and race.best > best.objective:
+                margin = self._margins.pop(0)
+                race.enter(best.q, best.objective * _EASED, _BEST, margin=margin)
+            elif len(race):
+                ended, path = race.round(np.inf if best is None else best.objective)
+                if ended:
+                    self._keep(path)
+                    near = False
+                moved += meter.spent - before
+            elif best is None and meter.spent > last:
+                last = meter.spent
+                self._again()
+            else:
+                return
+
+    def _walks_next(self, walked: float, moved: float) -> bool:
+        """Tell whether to walk, after so much work on walks and on moving paths apart."""
+        turn = not len(self.race) or (self.result.best is not None and walked <= moved)
+        if not self._walks.left and self._drawn < self.effort.rounds and turn:
+            self._walks = self._drawn_anew(self.effort.postures << 1)
+        first = self._drawn == 1 and walked < _FIRST * self.effort.work
+        return self._walks.left > 0 and (first or turn)
+
+    def _again(self) -> None:
+        """Draw walks anew, and lead the minima in the next way."""
+        way = _REDUCTIONS[self._drawn % len(_REDUCTIONS)]
+        for value, path in self._minima:
+            self.race.enter(path, value, _LED_ONE, way)
+        self._walks = self._drawn_anew(self.effort.postures << 1)
+
+    def _drawn_anew(self, postures: int) -> Walks:
+        self._drawn += 1
+        return Walks(
             self.basin.survey,
-            seed=self.seed + number,
+            seed=self.seed + self._drawn - 1,
             postures=postures,
             walks=self.effort.walks,
             jobs=self.jobs,
         )
-        for path in walks[: self.effort.refined]:  # clear at each point: the likeliest ones
-            self.take(path, patient=True)
 
-    def ease(self, margins: Sequence[float]) -> None:
-        """Ask for more than there must be, then for that: so bodies get past what held them."""
-        for margin in margins:
-            best = self.result.best
-            if best is not None:
-                self.take(best.q, margin=margin)
+    def _keep(self, path: Repaired | None) -> None:
+        self.result.take(path)
+        self.basin.survey.meter.found = self.result.best is not None
 
 
 def _differing(minima: Sequence[tuple[float, Array]]) -> list[tuple[float, Array]]:

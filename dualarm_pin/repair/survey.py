@@ -121,7 +121,7 @@ class Survey:
                         )
                         meshes = i
                     nearer = self._solids.distance(number, self._exact, hulls, most)
-                    self.meter.meshes()
+                    self.meter.meshes(self._solids.triangles(number))
                     same = self._remember(pair, poses[c], nearer, most)
                     if same is None:
                         continue

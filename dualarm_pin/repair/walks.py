@@ -14,6 +14,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Neighbours, Problem
 from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.contacts import Contacts
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
 from dualarm_pin.search.anchored import anchor_points
@@ -25,12 +26,14 @@ from dualarm_pin.tolerance import TOLERANCE
 
 _ALONE = Options(tolerance=1e-4, iterations=60)  # a start that needs more hardly ever converges
 _LACKING = 0.1  # m: out of deeper collisions a single point hardly ever comes
+_CLOSE = 4  # postures of an anchor that are moved apart alone: they may end below those that are
+_PASSED = 0.1  # rad or m: nearer postures lead to one path
 _AHEAD = 0.7  # share of the last step that the next is expected to repeat
 _STEP = Options(tolerance=1e-4, iterations=25, mu0=1e-3, push=1e-3)  # a guess, refined later
 
 
-def walked(survey: Survey, *, seed: int, postures: int, walks: int, jobs: int | None) -> Array:
-    """Return paths (s, k, n) from the minima of single points, best first; nearly apart.
+class Walks:
+    """Walks through a path, a few at a time.
 
     Args:
         survey: What measures, on the whole path.
@@ -39,16 +42,44 @@ def walked(survey: Survey, *, seed: int, postures: int, walks: int, jobs: int | 
         walks: Minima of each anchor that are walked from.
         jobs: Threads.
     """
-    problem = survey.problem
-    paths = [
-        _walk(survey, at, q)
-        for at in anchor_points(problem.k)
-        for q in _apart_alone(survey, at, postures, walks, seed, jobs)
-    ]
-    if not paths:
-        return np.zeros((0, problem.k, problem.n))
-    found = Turns(problem).folded(np.array(paths))
-    return found[np.argsort([_value(problem, path) for path in found], kind="stable")]
+
+    def __init__(
+        self, survey: Survey, *, seed: int, postures: int, walks: int, jobs: int | None
+    ) -> None:
+        self.survey, self.left = survey, walks
+        self._turns = Turns(survey.problem)
+        self._draw = seed, postures, walks, jobs
+        self._alone: list[tuple[int, list[Array]]] | None = None
+        self._walked: list[Array] = []
+
+    def next(self) -> list[tuple[float, Array]]:
+        """Walk from the next best minimum of each anchor.
+
+        Returns:
+            Objective and path (k, n) of each, nearly apart.
+        """
+        problem = self.survey.problem
+        if self._alone is None:
+            seed, postures, walks, jobs = self._draw
+            self._alone = [
+                (at, _apart_alone(self.survey, at, postures, walks, seed, jobs))
+                for at in anchor_points(problem.k)
+            ]
+        paths: list[Array] = []
+        for at, found in self._alone:
+            fresh = next((q for q in found if not self._passed(at, q)), None)
+            del found[: 1 + next((i for i, q in enumerate(found) if q is fresh), len(found))]
+            if fresh is not None:
+                paths.append(_walk(self.survey, at, fresh))
+                self._walked.append(paths[-1])
+        self.left = max((len(found) for _, found in self._alone), default=0)
+        if not paths:
+            return []
+        return [(_value(problem, path), path) for path in self._turns.folded(np.array(paths))]
+
+    def _passed(self, at: int, q: Array) -> bool:
+        """Tell whether a walk from another anchor came through a posture (n,)."""
+        return any(np.abs(path[at] - q).max() < _PASSED for path in self._walked)
 
 
 def _value(problem: Problem, q: Array) -> float:
@@ -67,14 +98,15 @@ def _apart_alone(
     ends = replace(ends, q=turns.folded(ends.q), converged=ends.status == 0)
     alone = distinct(ends).ends
     found: list[tuple[float, Array]] = []
-    close: list[Array] = []  # these may end below those that are apart
+    close: list[Array] = []
     for value, q in zip(alone.objective.tolist(), alone.q, strict=True):
-        lack = survey.contacts(q, 0.0, enough=_LACKING).worst
+        enough = _LACKING if len(close) < _CLOSE else TOLERANCE.clearance
+        lack = survey.contacts(q, 0.0, enough=enough).worst
         if lack <= TOLERANCE.clearance:
             found.append((value, q[0]))
             if len(found) == most:
                 break
-        elif lack < _LACKING and len(close) < most:
+        elif lack < _LACKING and len(close) < _CLOSE:
             close.append(q)
     basin = Basin(Survey(one, survey.pairs, survey.meter), between=False)
     for q in close:
@@ -93,12 +125,41 @@ def _walk(survey: Survey, at: int, posture: Array) -> Array:
             before = path[i - step]
             last = before - path[i - 2 * step] if abs(i - at) >= 2 else 0.0
             start = np.clip(before + _AHEAD * last, problem.lower, problem.upper)[None]
-            window = problem.window(i, 1, linked=True)
-            weight = window.neighbours.weight * (step > 0, step < 0)
-            both = Neighbours(np.array([before, before]), weight)
-            contacts = survey.contacts(start, REACH)
-            rows = witness_table(survey, contacts, asked_apart(contacts), 1)
-            end = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP)
-            survey.meter.solved(end.iterations, 1, len(contacts.point))
-            path[i] = end.q[0]
+            one_side = np.array([step > 0, step < 0], dtype=np.float64)
+            path[i], _ = stepped(survey, i, start, np.array([before, before]), one_side)
     return path
+
+
+def stepped(
+    survey: Survey,
+    i: int,
+    start: Array,
+    beside: Array,
+    share: Array,
+    reach: float = np.inf,
+    extra: Array | None = None,
+) -> tuple[Array, Contacts]:
+    """Solve one point between its neighbours, with rows for what is near where it starts.
+
+    Args:
+        survey: What measures, on the whole path.
+        i: Which point.
+        start: (1, n) where it starts.
+        beside: (2, n) postures of its neighbours.
+        share: (2,) of its links to them, that counts.
+        reach: How far it may move from its start [rad or m].
+        extra: (p, 1) what is asked of each pair beyond what is required [m].
+
+    Returns:
+        Its posture (n,), and what was near at the start.
+    """
+    window = survey.problem.window(i, 1, linked=True)
+    if reach < np.inf:
+        lower, upper = np.maximum(window.lower, start[0] - reach), start[0] + reach
+        window = window.with_bounds(lower, np.minimum(window.upper, upper))
+    both = Neighbours(beside, window.neighbours.weight * share)
+    contacts = survey.contacts(start, REACH, extra)
+    rows = witness_table(survey, contacts, asked_apart(contacts), 1)
+    end = solve(replace(window, neighbours=both).with_pairs(rows), start, _STEP)
+    survey.meter.solved(end.iterations, 1, len(contacts.point))
+    return end.q[0], contacts
