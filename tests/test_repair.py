@@ -30,13 +30,15 @@ from dualarm_pin.planners.apart import held_problem
 from dualarm_pin.planners.effort import BUDGETS
 from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.problem import Problem
-from dualarm_pin.repair.basin import Basin, Standing, Steps, inner_postures
+from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
+from dualarm_pin.repair.dips import inner_postures
 from dualarm_pin.repair.known import Known, Measured
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.race import Race
+from dualarm_pin.repair.repaired import Standing, Steps
 from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.walks import stepped
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table

@@ -20,11 +20,12 @@ from dualarm_pin.evidence.check import polished
 from dualarm_pin.planners.alternatives import Candidate, local_evidence, with_alternatives
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
-from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.few import LONG, led_by_few
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
+from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.rows import Row, half_space
 from dualarm_pin.rows.row import WORLD

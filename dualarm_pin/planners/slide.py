@@ -19,8 +19,9 @@ from dualarm_pin.engine.solve import Options, solve_many
 from dualarm_pin.placement.asked import Asked
 from dualarm_pin.placement.shared import share
 from dualarm_pin.planners.apart import held_problem
-from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
+from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.task.moved import moved_task
 

@@ -7,22 +7,19 @@ much their radii are reduced decides on which side the bodies pass each other.
 
 from __future__ import annotations
 
-from collections.abc import Generator
-from dataclasses import dataclass
-from typing import NamedTuple
-
 import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.contacts import Contacts
+from dualarm_pin.repair.dips import DIP, ENOUGH, add_dips, inner_postures
+from dualarm_pin.repair.repaired import Repaired, Standing, Steps, ended
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import REACH, asked_apart, cuts, on_planes, witness_table
 from dualarm_pin.solution import Solution
 from dualarm_pin.tolerance import TOLERANCE
 
-INNER = 3  # postures looked at between two points
 _ROUNDS, _MORE_ROUNDS = 16, 6  # of witness rows; of postures between the points
 _PATIENCE, _PROGRESS = 3, 0.8  # rounds in which the worst lack must shrink to this share
 _CUTS = 4  # solves with the same planes, each with the corners that the last brought through them
@@ -35,47 +32,6 @@ _SETTLED = 2e-3  # of the objective: less change is no reason for another round
 _MU = 1e-3  # a start is nearly the answer
 _LAZY, _LAZY_REACH = 4, 0.2  # solves with more capsules each; m: nearer ones are in the first
 _LED_MU = 1e-2  # capsules move it far
-_SLACK = 1e-4  # m: what lacks less leaves room for what is between the postures looked at
-ENOUGH = 4e-4  # m: what lacks less is within the tolerance, with some room
-_DIP = 1.1  # times what lacks between two points is asked of both
-
-
-@dataclass(frozen=True, eq=False)
-class Repaired:
-    """A path whose bodies are far enough apart at the postures looked at.
-
-    Attributes:
-        q: Joints (k, n).
-        objective: Objective there.
-        problem: The problem with the rows that hold it there.
-        contacts: What these rows were made of.
-        apart: (c,) how far apart they were asked to be [m].
-        extra: (p, k) what was asked of pairs at points beyond what is required [m].
-    """
-
-    q: Array
-    objective: float
-    problem: Problem
-    contacts: Contacts
-    apart: Array
-    extra: Array
-
-
-class Standing(NamedTuple):
-    """Where a path stands after a round.
-
-    Attributes:
-        value: Objective there.
-        lack: The largest lack of its bodies [m].
-        kept: They are far enough apart at the points, and the path is on its rows.
-    """
-
-    value: float
-    lack: float
-    kept: bool
-
-
-Steps = Generator[Standing, None, Repaired | None]
 
 
 class Basin:
@@ -114,7 +70,7 @@ class Basin:
             limit: Objective above which nothing is looked for.
             margin: Asked of bodies of different arms at first, beyond what is required [m].
         """
-        return _ended(self.steps(q, reduction, limit, margin=margin))
+        return ended(self.steps(q, reduction, limit, margin=margin))
 
     def steps(
         self,
@@ -147,8 +103,8 @@ class Basin:
             lack: What is missing there [m].
         """
         extra = path.extra.copy()
-        extra[pair, max(line, 0) : max(line, 0) + 2] += _DIP * max(lack, ENOUGH)
-        return _ended(self._kept(path.q, extra, np.inf))
+        extra[pair, max(line, 0) : max(line, 0) + 2] += DIP * max(lack, ENOUGH)
+        return ended(self._kept(path.q, extra, np.inf))
 
     def _kept(self, q: Array, extra: Array, limit: float) -> Steps:
         """Return the end of rounds at the points and then between them; `extra` is changed."""
@@ -156,7 +112,7 @@ class Basin:
         if not self.between:
             return found
         for _ in range(_MORE_ROUNDS):
-            if found is None or self.add_dips(found.q, extra) <= ENOUGH:
+            if found is None or add_dips(self.survey, found.q, extra) <= ENOUGH:
                 return found
             found = yield from self._apart(found.q, extra, limit)
         return None
@@ -250,44 +206,10 @@ class Basin:
         self.survey.meter.solved(end.iterations, problem.k, rows)
         return end
 
-    def add_dips(self, q: Array, extra: Array) -> float:
-        """Add what lacks between the points to both ends (p, k).
-
-        Returns:
-            The most that does [m]; infinite where bodies meet.
-        """
-        contacts = self.survey.contacts(inner_postures(q), 0.0)
-        meet = contacts.distance <= 0.0
-        lacking = contacts.take((contacts.lack > _SLACK) | meet)
-        dips = np.zeros((len(extra), len(q) - 1))
-        np.maximum.at(
-            dips, (lacking.pair, lacking.point // INNER), _DIP * np.maximum(lacking.lack, _SLACK)
-        )
-        extra[:, :-1] += dips
-        extra[:, 1:] += dips
-        return np.inf if meet.any() else contacts.worst
-
-
-def inner_postures(q: Array) -> Array:
-    """Return the postures between the points of a path (k, n): `INNER` on each straight way."""
-    share = np.arange(1, INNER + 1) / (INNER + 1)
-    between = q[:-1, None] + share[:, None] * np.diff(q, axis=0)[:, None]
-    return between.reshape(-1, q.shape[1])
-
 
 def _value(problem: Problem, q: Array) -> float:
     """Return the objective of a path, by the engine."""
     return solve(problem, q, Options(iterations=0, push=TOLERANCE.no_length)).objective
-
-
-def _ended(steps: Steps) -> Repaired | None:
-    """Return what steps lead to."""
-    while True:
-        try:
-            next(steps)
-        except StopIteration as end:
-            found: Repaired | None = end.value
-            return found
 
 
 def _hopeless(lacks: list[float]) -> bool:

@@ -8,9 +8,11 @@ from collections.abc import Sequence
 import numpy as np
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.basin import ENOUGH, Basin, Repaired
+from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.dips import ENOUGH, add_dips
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import Apart, Effort, keep_apart
+from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.walks import stepped
 from dualarm_pin.repair.witness import REACH, asked_apart, witness_table
@@ -118,7 +120,9 @@ def _set_down(basin: Basin, q: Array) -> Repaired | None:
         contacts = survey.contacts(q, REACH, extra)
         if residual > TOLERANCE.on_path:
             return None
-        if contacts.kept.all() and (not basin.between or basin.add_dips(q, extra) <= ENOUGH):
+        if contacts.kept.all() and (
+            not basin.between or add_dips(basin.survey, q, extra) <= ENOUGH
+        ):
             apart = asked_apart(contacts)
             held = problem.with_pairs(witness_table(survey, contacts, apart, len(q)))
             return Repaired(q, problem.objective(q), held, contacts, apart, extra)

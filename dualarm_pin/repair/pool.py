@@ -8,9 +8,10 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.basin import Basin, Repaired
+from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.race import Race, promise
+from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.walks import Walks
 from dualarm_pin.solution import same_path
 

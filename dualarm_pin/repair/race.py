@@ -7,7 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.basin import Basin, Repaired, Standing, Steps
+from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.repaired import Repaired, Standing, Steps
 
 _PER_LACK = 8.0  # 1/m: of the objective, that coming apart is expected to cost
 # Of the objective: so much a path falls behind when the whole budget was spent on it, while no path
