@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from concurrent.futures import CancelledError
 from pathlib import Path
 
 import pytest
@@ -21,8 +22,9 @@ from patience import LONG, wait_until
 from dualarm_pin.answer.folder import load_trajectory
 from dualarm_pin.bench.batch import run_suite
 from dualarm_pin.bench.suite import Suite
+from dualarm_pin.bench.work.dispatch import _outcomes
 from dualarm_pin.bench.work.one_run import perform
-from dualarm_pin.errors import InputError, MissingExtraError
+from dualarm_pin.errors import DualArmError, InputError, MissingExtraError
 
 BENCH = [sys.executable, "-m", "dualarm_pin", "bench", "--allow-code"]
 TIMES = ("started", "run_s", "timing.wall_s", "timing.cpu_s", "extra", "clearance")
@@ -108,6 +110,31 @@ def test_a_run_that_kills_its_workers_is_set_aside_and_takes_no_other_along(tmp_
     batch = run_suite(Suite.load(file, allow_code=True), tmp_path / "out", jobs=2)
     assert [row["status"] for row in batch.rows] == ["crashed", "ok", "ok", "ok", "ok"]
     assert "worker processes that died" in batch.rows[0]["reason"]
+
+
+class LostOnce:
+    """A future that had ended before its worker died with the result."""
+
+    def __init__(self, end):
+        self.status, self.end = "pending", end
+
+    def result(self):
+        self.status = self.end
+        if self.end == "cancelled":
+            raise CancelledError
+        return "outcome"
+
+
+class Gathers:
+    def gather(self, futures, direct):
+        assert all(future.status == "finished" for future in futures)
+        return ["outcome"] * len(futures)
+
+
+def test_a_run_that_is_done_again_after_its_worker_died_is_waited_for():
+    assert _outcomes(Gathers(), [LostOnce("finished")]) == ["outcome"]
+    with pytest.raises(DualArmError, match="the scheduler was lost"):
+        _outcomes(Gathers(), [LostOnce("cancelled")])
 
 
 def test_a_gate_that_does_not_hold_is_exit_code_1_and_a_bad_suite_2(tmp_path, run):

@@ -6,6 +6,7 @@ import itertools
 import queue
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from concurrent.futures import CancelledError
 from contextlib import suppress
 from typing import Any
 
@@ -17,6 +18,7 @@ Ended = tuple[BenchRun, RunOutcome]
 _KILLER = RunOutcome("crashed", f"it was alone on {DEATHS} worker processes that died")
 _PATIENCE = 20.0  # seconds without an end before the workers are counted
 _RECOUNT = 1.0  # seconds between two counts of the workers
+_AGAIN = ("pending", "lost")  # it had ended, but its worker died with the result: it is done again
 _AHEAD = 4  # runs in flight for each worker thread: none waits for the parent
 
 
@@ -107,6 +109,10 @@ def _outcomes(client: Any, futures: Sequence[Any]) -> list[RunOutcome | None]:
     """
     from distributed import KilledWorker
 
+    for future in futures:
+        if future.status in _AGAIN:
+            with suppress(KilledWorker, CancelledError):
+                future.result()
     finished = [future for future in futures if future.status == "finished"]
     results: dict[Any, RunOutcome] = {}
     try:  # together, which is faster
