@@ -20,8 +20,10 @@ from engine_cases import (
 )
 
 from dualarm_pin import indices
+from dualarm_pin.engine.batch import Batch
 from dualarm_pin.engine.evaluation import evaluate
 from dualarm_pin.engine.interior_point.line_search import Merit, remember
+from dualarm_pin.engine.room import new_room
 from dualarm_pin.engine.solve import Options, solve, solve_many
 from dualarm_pin.engine.workspace import FILTER_SIZE
 from dualarm_pin.errors import EngineError, InputError, ShapeError
@@ -101,6 +103,22 @@ def test_batch_is_the_same_for_any_number_of_jobs(paper):
     alone = solve(paper, starts[7])
     assert np.array_equal(alone.q, one[7].q)
     assert alone.objective == one[7].objective
+
+
+def test_the_last_digit_does_not_depend_on_where_arrays_lie(paper, best):
+    room, ends = np.zeros(160), set()
+    link = room[70:82].reshape(1, 12)
+    for at in (*range(0, 59, 2), *range(82, 148, 2)):
+        metric = room[at : at + 12].reshape(1, 12)
+        one = paper.subset([17], 3.0, before=best.q[16])
+        metric[:] = one.links.metric
+        one = replace(one, links=one.links._replace(metric=metric))
+        for start in np.random.default_rng(0).uniform(-0.2, 0.2, (10, 1, 12)):
+            batch = Batch(one, (best.q[17] + start)[None])
+            work = new_room(one)._replace(link=link)
+            batch.run(one, work, np.array([0]), Options(iterations=7).settings())
+            ends.add((start.tobytes(), batch.q.tobytes()))
+    assert len(ends) == 10
 
 
 def test_interrupted_batch_keeps_what_is_finished(paper):

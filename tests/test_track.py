@@ -67,11 +67,8 @@ def test_the_same_seed_gives_the_same_pool_for_any_number_of_threads(points: int
         assert search.hops.made > 0
         pools.append(search.pool)
         spent.append(search.work.spent)
-    # Rounding was seen to differ in a last digit, once in some fifty runs: then a solve may take an
-    # iteration more, and ends within the tolerance of a search.
-    assert spent[0] == pytest.approx(spent[1], rel=1e-3)
-    np.testing.assert_allclose(pools[0].objectives, pools[1].objectives, rtol=1e-6)
-    np.testing.assert_allclose(pools[0].paths, pools[1].paths, atol=1e-3)
+    assert spent[0] == spent[1]
+    np.testing.assert_array_equal(pools[0].paths, pools[1].paths)
     assert pools[0].paths[0].shape == (points, 12)
 
 
@@ -210,7 +207,7 @@ def test_what_two_paths_differ_in_is_put_onto_a_third(problem: Problem) -> None:
     both = middle.copy()
     both[:, 0] += 0.5
     both[:, 7] -= 0.5
-    found = transfers(pool, Turns(problem), 60, np.random.default_rng(0))
+    found = transfers(problem, Turns(problem), pool, 60, np.random.default_rng(0))
     assert any(np.allclose(q, both) for q in found)
     assert np.all(found < problem.upper + 0.3)
     assert np.all(found > problem.lower - 0.3)

@@ -120,9 +120,7 @@ def _set_down(basin: Basin, q: Array) -> Repaired | None:
         contacts = survey.contacts(q, REACH, extra)
         if residual > TOLERANCE.on_path:
             return None
-        if contacts.kept.all() and (
-            not basin.between or add_dips(basin.survey, q, extra) <= ENOUGH
-        ):
+        if contacts.kept.all() and (not basin.between or add_dips(survey, q, extra) <= ENOUGH):
             apart = asked_apart(contacts)
             held = problem.with_pairs(witness_table(survey, contacts, apart, len(q)))
             return Repaired(q, problem.objective(q), held, contacts, apart, extra)

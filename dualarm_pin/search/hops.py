@@ -139,7 +139,7 @@ class Hops:
     def _transfer(self, random: np.random.Generator) -> None:
         k, starts = self.problem.k, np.zeros(0)
         if len(self.pool.paths) > _LEAST:
-            starts = transfers(self.pool, self.turns, self._batch(k), random)
+            starts = transfers(self.problem, self.turns, self.pool, self._batch(k), random)
         if not len(starts):
             return self._hop(k, random)
         self._improve(starts.copy(), starts, np.zeros(len(starts), dtype=np.int64), random)

@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from dualarm_pin.problem import Problem
 from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.turns import Turns
 
@@ -19,9 +20,11 @@ _SAME = 0.3  # rad: a smaller change leads back to the path it was made from
 _TRIES = 4  # draws for each path that is asked for
 
 
-def transfers(pool: Pool, turns: Turns, count: int, random: np.random.Generator) -> Array:
+def transfers(
+    problem: Problem, turns: Turns, pool: Pool, count: int, random: np.random.Generator
+) -> Array:
     """Return changed paths (s, k, n) of a pool of three or more, `count` or fewer."""
-    lower, upper = turns.lowest, turns.highest
+    lower, upper = problem.lower, problem.upper
     found: list[Array] = []
     for _ in range(_TRIES * count):
         base = pool.paths[pool.pick(random)]

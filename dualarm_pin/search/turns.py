@@ -26,8 +26,6 @@ class Turns:
         lower: Lower end of one turn of the wide joints about their middle, and of the range of
             the others (n,).
         upper: Upper end of it (n,).
-        lowest: Lower bounds of the problem (n,).
-        highest: Upper bounds of it (n,).
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -44,7 +42,6 @@ class Turns:
         self.lower = np.where(self.wide, middle - np.pi, problem.lower)
         self.upper = np.where(self.wide, middle + np.pi, problem.upper)
         self._middle, self._room = middle, room
-        self.lowest, self.highest = problem.lower, problem.upper
 
     def folded(self, q: Array) -> Array:
         """Return paths (s, k, n), every wide joint shifted by full turns to the middle."""
@@ -70,10 +67,11 @@ class Turns:
         """
         if not self.wide.any():
             return path, window, beside
-        last, stays = first + len(window), np.zeros(len(self.wide))
-        ahead = self._turns(window[0] - beside[0]) if first else stays
-        window = window - TURN * ahead
-        behind = self._turns(window[-1] - beside[1]) if last < len(path) else stays
+        last, behind = first + len(window), np.zeros(len(self.wide))
+        if first:
+            window = window - TURN * self._turns(window[0] - beside[0])
+        if last < len(path):
+            behind = self._turns(window[-1] - beside[1])
         whole = np.concatenate([path[:first], window, path[last:] + TURN * behind])
         behind[np.ptp(whole, axis=0) > self._room] = 0.0
         whole[last:] = path[last:] + TURN * behind

@@ -35,16 +35,17 @@ def orthonormal_basis(
             break
         x = mirror[rank]
         size = 0.0
+        for k in range(n):  # without a store: see `links._pull`
+            size += matrix[r, k] * matrix[r, k]
         for k in range(n):
             x[k] = matrix[r, k]
-            size += x[k] * x[k]
         for c in range(rank):
             _mirror(mirror[c], x)
+        for k in range(rank):
+            triangle[rank, k] = x[k]
+            x[k] = 0.0
         rest = 0.0
-        for k in range(n):
-            if k < rank:
-                triangle[rank, k] = x[k]
-                x[k] = 0.0
+        for k in range(rank, n):
             rest += x[k] * x[k]
         if rest <= RANK_TOLERANCE * RANK_TOLERANCE * size:
             continue

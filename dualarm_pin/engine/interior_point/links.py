@@ -63,22 +63,29 @@ def add_coupling(problem: Problem, work: Workspace, i: int, x: Floats, out: Floa
 
 @compiled
 def _value(weight: float, metric: Floats, before: Floats, after: Floats) -> float:
-    square = 0.0
-    for k in range(metric.shape[0]):
-        d = after[k] - before[k]
-        square += metric[k] * d * d
+    square = _square(metric, before, after)
     return weight * square * square
 
 
 @compiled
-def _pull(weight: float, metric: Floats, before: Floats, after: Floats, link: Floats) -> float:
-    """Fill the pull and return the stiffness."""
+def _square(metric: Floats, before: Floats, after: Floats) -> float:
     square = 0.0
     for k in range(metric.shape[0]):
         d = after[k] - before[k]
-        link[k] = metric[k] * d
-        square += link[k] * d
-    return 4.0 * weight * square
+        square += metric[k] * d * d
+    return square
+
+
+@compiled
+def _pull(weight: float, metric: Floats, before: Floats, after: Floats, link: Floats) -> float:
+    """Fill the pull and return the stiffness.
+
+    The sum has a loop of its own: beside a store the order in which it is summed, and with it the
+    last digit, would depend on where the arrays lie in memory.
+    """
+    for k in range(metric.shape[0]):
+        link[k] = metric[k] * (after[k] - before[k])
+    return 4.0 * weight * _square(metric, before, after)
 
 
 @compiled
