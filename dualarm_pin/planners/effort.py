@@ -58,7 +58,7 @@ class Budget:
 
 BUDGETS: dict[str, Budget] = {
     "quick": Budget(1.4, check=0.06),
-    "normal": Budget(19.0, 8, 2.5, 2.5, 300, 0.4),
+    "normal": Budget(19.0, 8, 5.0, 2.5, 300, 0.4),
     "thorough": Budget(48.0, 12, 6.0, 12.0, 1000, 1.0, bound=True),
 }
 _PARTS = 100  # of the work, as progress counts it

@@ -64,7 +64,7 @@ class PlaceBudget:
         more = max(p - 2, 0)
         return cls(
             free_places=150 * p,
-            free_refined=12 * p,
+            free_refined=10 * p,
             places=75 * p,
             refined=6 * p,
             hops=50 * more,
