@@ -10,7 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from dualarm_pin.arrays import Array
+from dualarm_pin.arrays import Array, Integers
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Neighbours, Problem
 from dualarm_pin.repair.basin import Basin
@@ -28,6 +28,7 @@ _ALONE = Options(tolerance=1e-4, iterations=60)  # a start that needs more hardl
 _LACKING = 0.1  # m: out of deeper collisions a single point hardly ever comes
 _CLOSE = 4  # postures of an anchor that are moved apart alone: they may end below those that are
 _PASSED = 0.1  # rad or m: nearer postures lead to one path
+_TOGETHER = 2  # walks from each anchor, side by side
 _AHEAD = 0.7  # share of the last step that the next is expected to repeat
 _STEP = Options(tolerance=1e-4, iterations=25, mu0=1e-3, push=1e-3)  # a guess, refined later
 
@@ -65,17 +66,17 @@ class Walks:
                 (at, _apart_alone(self.survey, at, postures, walks, seed, jobs))
                 for at in anchor_points(problem.k)
             ]
-        paths: list[Array] = []
+        chosen: list[tuple[int, Array]] = []
         for at, found in self._alone:
-            fresh = next((q for q in found if not self._passed(at, q)), None)
-            del found[: 1 + next((i for i, q in enumerate(found) if q is fresh), len(found))]
-            if fresh is not None:
-                paths.append(_walk(self.survey, at, fresh))
-                self._walked.append(paths[-1])
+            fresh = [i for i, q in enumerate(found) if not self._passed(at, q)][:_TOGETHER]
+            chosen += [(at, found[i]) for i in fresh]
+            del found[: 1 + fresh[-1] if len(fresh) == _TOGETHER else len(found)]
         self.left = max((len(found) for _, found in self._alone), default=0)
-        if not paths:
+        if not chosen:
             return []
-        return [(_value(problem, path), path) for path in self._turns.folded(np.array(paths))]
+        paths = _walk(self.survey, [at for at, _ in chosen], np.array([q for _, q in chosen]))
+        self._walked += list(paths)
+        return [(_value(problem, path), path) for path in self._turns.folded(paths)]
 
     def _passed(self, at: int, q: Array) -> bool:
         """Tell whether a walk from another anchor came through a posture (n,)."""
@@ -116,18 +117,50 @@ def _apart_alone(
     return [q for _, q in sorted(found, key=lambda each: each[0])[:most]]
 
 
-def _walk(survey: Survey, at: int, posture: Array) -> Array:
-    """Walk from a posture (n,) at one point to both ends of the path, the bodies held apart."""
-    problem = survey.problem
-    path = np.tile(posture, (problem.k, 1))
-    for step in (1, -1):
-        for i in range(at + step, problem.k if step > 0 else -1, step):
-            before = path[i - step]
-            last = before - path[i - 2 * step] if abs(i - at) >= 2 else 0.0
-            start = np.clip(before + _AHEAD * last, problem.lower, problem.upper)[None]
-            one_side = np.array([step > 0, step < 0], dtype=np.float64)
-            path[i], _ = stepped(survey, i, start, np.array([before, before]), one_side)
-    return path
+def _walk(survey: Survey, anchors: list[int], postures: Array) -> Array:
+    """Walk from postures (s, n) at points of their own to both ends of the path, side by side.
+
+    The bodies are held apart at each step. Calls cost more than a point: so all steps of one
+    number are made at once.
+    """
+    k, n = survey.problem.k, survey.problem.n
+    paths = np.tile(postures[:, None], (1, k, 1))
+    for number in range(1, k):
+        ways = [(w, at, step) for w, at in enumerate(anchors) for step in (1, -1)]
+        s, at, step = np.array([way for way in ways if 0 <= way[1] + number * way[2] < k]).T.reshape(3, -1)
+        if not len(s):
+            break
+        i = at + number * step
+        before = paths[s, i - step]
+        start = before.copy()
+        if number > 1:
+            start += _AHEAD * (before - paths[s, i - 2 * step])
+        start = np.clip(start, survey.problem.lower, survey.problem.upper)
+        paths[s, i] = _stepped_from(survey, i, start, before, np.minimum(i, i - step))
+    return paths
+
+
+def _stepped_from(survey: Survey, i: Integers, start: Array, before: Array, link: Integers) -> Array:
+    """Return postures (s, n) of points i (s,), each linked to one neighbour."""
+    problem, count = survey.problem, len(i)
+    contacts = survey.contacts(start, REACH)
+    # Each point twice: the first of a pair is never solved, the link to it is that to the neighbour.
+    weight = np.zeros(2 * count - 1)
+    weight[::2] = problem.links.weight[link]
+    odd = contacts._replace(point=2 * contacts.point + 1)
+    rows = witness_table(survey, odd, asked_apart(contacts), 2 * count)
+    pairs = problem.subset(np.repeat(i, 2).tolist(), weight).with_pairs(rows)
+    ends = engine.solve_many(
+        pairs,
+        start[:, None],
+        options=_STEP,
+        jobs=1,
+        points=2 * np.arange(count) + 1,
+        neighbours=np.stack([before, before], axis=1),
+    )
+    near = -(-len(contacts.point) // count)
+    survey.meter.solved(int(ends.iterations.sum()), 1, near)
+    return ends.q[:, 0]
 
 
 def stepped(
