@@ -16,7 +16,15 @@ from dualarm_pin.repair.contacts import Contacts
 from dualarm_pin.repair.dips import DIP, ENOUGH, add_dips, inner_postures
 from dualarm_pin.repair.repaired import Repaired, Standing, Steps, ended
 from dualarm_pin.repair.survey import Survey
-from dualarm_pin.repair.witness import REACH, asked_apart, cuts, on_planes, witness_table
+from dualarm_pin.repair.witness import (
+    BACK_OFF,
+    FIRST_BACK_OFF,
+    REACH,
+    asked_apart,
+    cuts,
+    on_planes,
+    witness_table,
+)
 from dualarm_pin.solution import Solution
 from dualarm_pin.tolerance import TOLERANCE
 
@@ -128,7 +136,10 @@ class Basin:
             lacks.append(contacts.worst)
             if best is None and _hopeless(lacks):
                 break
-            path, value, found, corners = self._round(q, contacts, corners, extra, limit)
+            back_off = FIRST_BACK_OFF if best is None else BACK_OFF
+            path, value, found, corners = self._round(
+                q, contacts, corners, extra, limit, back_off
+            )
             if path is None:
                 break
             moved = float(np.abs(path.q - q).max())
@@ -147,7 +158,13 @@ class Basin:
         return best
 
     def _round(
-        self, q: Array, contacts: Contacts, corners: Contacts, extra: Array, limit: float
+        self,
+        q: Array,
+        contacts: Contacts,
+        corners: Contacts,
+        extra: Array,
+        limit: float,
+        back_off: float,
     ) -> tuple[Repaired | None, float, Contacts, Contacts]:
         """Solve from q with planes made for q, until they hold all that the solve brings near.
 
@@ -162,7 +179,7 @@ class Basin:
         most = max(contacts.worst, TOLERANCE.clearance)
         wild = _WILD * max(_value(survey.problem, q), survey.problem.size)
         for _ in range(_CUTS):
-            apart = asked_apart(held)
+            apart = asked_apart(held, back_off)
             problem = survey.problem.with_pairs(witness_table(survey, held, apart, len(q)))
             end = self._solved(problem, start, _MU)
             if end.feasible and end.objective > limit:

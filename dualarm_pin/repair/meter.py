@@ -40,6 +40,14 @@ class Meter:
         """
         self._add(_CALL + iterations * (self._work.seconds(points) + _ROW * rows))
 
+    def searched(self, seconds: float) -> None:
+        """Count the work of a search.
+
+        Raises:
+            OverError: Enough is spent.
+        """
+        self._add(seconds)
+
     def measured(self, postures: int, pairs: int) -> None:
         """Count postures at which bodies were placed, and pairs that were measured.
 

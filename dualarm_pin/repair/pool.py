@@ -9,13 +9,13 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.repair.basin import Basin
+from dualarm_pin.repair.covered import CoveredSearch, differing
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.race import Race, promise
 from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.walks import Walks
 from dualarm_pin.solution import same_path
 
-_ALIKE = 1e-3  # of the objective: minima nearer than this are twins, of which one is enough
 _MARGINS = (0.02, 0.01, 0.04)  # m: the distances of bodies are smoother farther out
 _EASED = 0.98  # of the best: what it promises when it is moved apart once more, with a margin
 _REDUCTIONS = (0.06, 0.03, 0.1, 0.0)  # m: on which side bodies pass each other
@@ -23,8 +23,10 @@ _LED = 1.1  # times as much is expected of a path that capsules lead
 _DEEP = 0.08  # m: minima that lack more hardly ever come apart, whatever it costs
 _NEARLY = 0.06  # m: a path that lacks no more is moved apart before any walk ...
 _STILL_NEAR = 1.5  # ... as long as no more than so many times what it promised is expected
-_FIRST = 0.5  # of the work, that the first walks may take before any path is moved apart
+_LEARNT = 4  # minima, the best first, whose bodies show which capsules are needed
 _MINIMUM, _LED_ONE, _WALK, _BEST = "minimum", "led by capsules", "walk", "best"
+WS=None
+_COVERED = "capsules apart"
 _LOOKED_AT = 10  # points of a minimum, at which its lack is measured first
 
 
@@ -34,6 +36,8 @@ class Effort:
 
     Attributes:
         work: Seconds of a usual processor, as `Meter` counts them.
+        covered: Rounds of a search with capsules ...
+        round: ... and the work of each [s].
         postures: Postures drawn at each anchor.
         walks: Minima of each anchor that are walked from.
         basins: Minima of the search that are repaired.
@@ -42,7 +46,9 @@ class Effort:
         margins: Margins with which the best is moved apart again.
     """
 
-    work: float = 2.2
+    work: float = 2.6
+    covered: int = 3
+    round: float = 0.35
     postures: int = 100
     walks: int = 6
     basins: int = 8
@@ -53,8 +59,8 @@ class Effort:
 
 EFFORTS = {
     "quick": Effort(),
-    "normal": Effort(18.0, 150, 10, 16, 2, 1, 3),
-    "thorough": Effort(75.0, 200, 16, 24, 4, 3, 3),
+    "normal": Effort(18.0, 6, 1.0, 150, 10, 16, 2, 1, 3),
+    "thorough": Effort(75.0, 12, 2.0, 200, 16, 24, 4, 3, 3),
 }
 
 
@@ -118,7 +124,7 @@ def keep_apart(
     try:
         for path in given:
             tries.take(path)
-        tries.enter(_differing(minima))
+        tries.enter(differing(minima))
         tries.run()
     except OverError:
         result.complete, result.cut = False, meter.cut
@@ -140,6 +146,8 @@ class _Tries:
         self._minima: Sequence[tuple[float, Array]] = []
         self._margins = list(_MARGINS[: effort.margins])
         self._drawn, self._near = 0, np.inf
+        self._covered = CoveredSearch(basin.survey, seed=seed, jobs=jobs)
+        self._rounds = 0
         self._walks = self._drawn_anew(effort.postures)
 
     def take(self, path: Array) -> None:
@@ -169,7 +177,9 @@ class _Tries:
         while True:
             before, best = meter.spent, self.result.best
             near = near and race.best < _STILL_NEAR * self._near
-            if not near and self._walks_next(walked, moved):
+            if not near and self._rounds < self.effort.covered:
+                self._covered_next()
+            elif not near and self._walks_next(walked, moved):
                 for value, start in self._walks.next():
                     race.enter(start, value, _WALK)
                 walked += meter.spent - before
@@ -188,13 +198,21 @@ class _Tries:
             else:
                 return
 
+    def _covered_next(self) -> None:
+        if not self._rounds:
+            self._covered.learn([q for _, q in self._minima[:6]])
+        self._covered.round(WS[self._rounds] if WS else self.effort.round)
+        self._rounds += 1
+        if self._rounds == self.effort.covered:
+            for value, path, lack in self._covered.paths[: self.effort.basins]:
+                self.race.enter(path, promise(value, lack), _COVERED)
+
     def _walks_next(self, walked: float, moved: float) -> bool:
         """Tell whether to walk, after so much work on walks and on moving paths apart."""
         turn = not len(self.race) or (self.result.best is not None and walked <= moved)
         if not self._walks.left and self._drawn < self.effort.rounds and turn:
             self._walks = self._drawn_anew(self.effort.postures << 1)
-        first = self._drawn == 1 and walked < _FIRST * self.effort.work
-        return self._walks.left > 0 and (first or turn)
+        return self._walks.left > 0 and turn
 
     def _again(self) -> None:
         """Draw walks anew, and lead the minima in the next way."""
@@ -217,11 +235,3 @@ class _Tries:
         self.result.take(path)
         self.basin.survey.meter.found = self.result.best is not None
 
-
-def _differing(minima: Sequence[tuple[float, Array]]) -> list[tuple[float, Array]]:
-    """Return one of those of equal objective."""
-    found: list[tuple[float, Array]] = []
-    for value, path in minima:
-        if not found or value > found[-1][0] + _ALIKE * max(1.0, abs(value)):
-            found.append((value, path))
-    return found

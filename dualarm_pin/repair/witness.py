@@ -16,15 +16,17 @@ from dualarm_pin.repair.survey import Survey
 from dualarm_pin.rows.table import PLANE_POINT, RowTable, pair_table
 
 REACH = 0.06  # m beyond the required distance that have rows; what comes nearer is added later
-BACK_OFF = 3e-4  # m asked beyond what is required, so that what is met nearly is enough
+# m asked beyond what is required, so that what is met nearly is enough: more of it until a path is
+# apart for the first time, which saves rounds.
+BACK_OFF, FIRST_BACK_OFF = 3e-4, 1e-3
 _MOST = 0.05  # m more than there is: the planes are right nearby only
 _NEAR = 1e-6  # m: a corner so near a plane has a row, or needs none
 
 
-def asked_apart(contacts: Contacts) -> Array:
+def asked_apart(contacts: Contacts, back_off: float = BACK_OFF) -> Array:
     """Return how far apart to ask contacts to be in the next round (c,) [m]."""
     required = contacts.distance + contacts.lack
-    return np.minimum(required + BACK_OFF, contacts.distance + _MOST)
+    return np.minimum(required + back_off, contacts.distance + _MOST)
 
 
 def witness_table(survey: Survey, contacts: Contacts, apart: Array, k: int) -> RowTable:

@@ -25,9 +25,16 @@ class IndependentSearch:
     """
 
     def __init__(
-        self, problem: Problem, seed: int, *, number: int = 0, jobs: int | None = None
+        self,
+        problem: Problem,
+        seed: int,
+        *,
+        number: int = 0,
+        jobs: int | None = None,
+        pool: Pool | None = None,
     ) -> None:
-        self.pool, self.work = Pool(), Work(problem)
+        self.pool, self.work = Pool() if pool is None else pool, Work(problem)
+        self._first = len(MUS) if pool is None else 0
         self.track = TrackLaw(
             problem, seed, number=number, jobs=jobs, pool=self.pool, work=self.work
         )
@@ -40,7 +47,7 @@ class IndependentSearch:
         Raises:
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
-        enough = len(self.track.rounds) >= len(MUS)
+        enough = len(self.track.rounds) >= self._first
         if self.pool.paths and enough and self._hopped < _HOPS * self.work.spent:
             before = self.work.spent
             self.hops.make()
