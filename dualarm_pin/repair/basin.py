@@ -137,9 +137,7 @@ class Basin:
             if best is None and _hopeless(lacks):
                 break
             back_off = FIRST_BACK_OFF if best is None else BACK_OFF
-            path, value, found, corners = self._round(
-                q, contacts, corners, extra, limit, back_off
-            )
+            path, value, found, corners = self._round(q, contacts, corners, extra, limit, back_off)
             if path is None:
                 break
             moved = float(np.abs(path.q - q).max())

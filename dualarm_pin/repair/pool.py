@@ -23,9 +23,8 @@ _LED = 1.1  # times as much is expected of a path that capsules lead
 _DEEP = 0.08  # m: minima that lack more hardly ever come apart, whatever it costs
 _NEARLY = 0.06  # m: a path that lacks no more is moved apart before any walk ...
 _STILL_NEAR = 1.5  # ... as long as no more than so many times what it promised is expected
-_LEARNT = 4  # minima, the best first, whose bodies show which capsules are needed
+_LEARNT = 3  # minima, the best first, whose bodies show which capsules are needed
 _MINIMUM, _LED_ONE, _WALK, _BEST = "minimum", "led by capsules", "walk", "best"
-WS=None
 _COVERED = "capsules apart"
 _LOOKED_AT = 10  # points of a minimum, at which its lack is measured first
 
@@ -46,7 +45,7 @@ class Effort:
         margins: Margins with which the best is moved apart again.
     """
 
-    work: float = 2.6
+    work: float = 2.4
     covered: int = 3
     round: float = 0.35
     postures: int = 100
@@ -199,12 +198,14 @@ class _Tries:
                 return
 
     def _covered_next(self) -> None:
+        """Make a round of the search with capsules, and let what comes near take part."""
         if not self._rounds:
-            self._covered.learn([q for _, q in self._minima[:6]])
-        self._covered.round(WS[self._rounds] if WS else self.effort.round)
+            for _, path in self._minima[:_LEARNT]:
+                self._covered.learn(path)
+        self._covered.round(self.effort.round)
         self._rounds += 1
-        if self._rounds == self.effort.covered:
-            for value, path, lack in self._covered.paths[: self.effort.basins]:
+        for value, path, lack in self._covered.paths[: self.effort.basins]:
+            if lack <= _DEEP:
                 self.race.enter(path, promise(value, lack), _COVERED)
 
     def _walks_next(self, walked: float, moved: float) -> bool:
@@ -234,4 +235,3 @@ class _Tries:
     def _keep(self, path: Repaired | None) -> None:
         self.result.take(path)
         self.basin.survey.meter.found = self.result.best is not None
-

@@ -123,28 +123,29 @@ def _walk(survey: Survey, anchors: list[int], postures: Array) -> Array:
     The bodies are held apart at each step. Calls cost more than a point: so all steps of one
     number are made at once.
     """
-    k, n = survey.problem.k, survey.problem.n
+    k, count = survey.problem.k, len(anchors)
     paths = np.tile(postures[:, None], (1, k, 1))
+    which, way = np.repeat(np.arange(count), 2), np.tile([1, -1], count)
     for number in range(1, k):
-        ways = [(w, at, step) for w, at in enumerate(anchors) for step in (1, -1)]
-        s, at, step = np.array([way for way in ways if 0 <= way[1] + number * way[2] < k]).T.reshape(3, -1)
-        if not len(s):
+        at = np.repeat(anchors, 2) + number * way
+        left = (at >= 0) & (at < k)
+        if not left.any():
             break
-        i = at + number * step
+        s, i, step = which[left], at[left], way[left]
         before = paths[s, i - step]
         start = before.copy()
         if number > 1:
             start += _AHEAD * (before - paths[s, i - 2 * step])
         start = np.clip(start, survey.problem.lower, survey.problem.upper)
-        paths[s, i] = _stepped_from(survey, i, start, before, np.minimum(i, i - step))
+        paths[s, i] = _stepped_on(survey, i, start, before, np.minimum(i, i - step))
     return paths
 
 
-def _stepped_from(survey: Survey, i: Integers, start: Array, before: Array, link: Integers) -> Array:
-    """Return postures (s, n) of points i (s,), each linked to one neighbour."""
+def _stepped_on(survey: Survey, i: Integers, start: Array, before: Array, link: Integers) -> Array:
+    """Return postures (s, n) of points i (s,), each linked to one neighbour by a link."""
     problem, count = survey.problem, len(i)
     contacts = survey.contacts(start, REACH)
-    # Each point twice: the first of a pair is never solved, the link to it is that to the neighbour.
+    # Each point twice: the first is never solved, and the link to it is that to the neighbour.
     weight = np.zeros(2 * count - 1)
     weight[::2] = problem.links.weight[link]
     odd = contacts._replace(point=2 * contacts.point + 1)

@@ -25,16 +25,9 @@ class IndependentSearch:
     """
 
     def __init__(
-        self,
-        problem: Problem,
-        seed: int,
-        *,
-        number: int = 0,
-        jobs: int | None = None,
-        pool: Pool | None = None,
+        self, problem: Problem, seed: int, *, number: int = 0, jobs: int | None = None
     ) -> None:
-        self.pool, self.work = Pool() if pool is None else pool, Work(problem)
-        self._first = len(MUS) if pool is None else 0
+        self.pool, self.work = Pool(), Work(problem)
         self.track = TrackLaw(
             problem, seed, number=number, jobs=jobs, pool=self.pool, work=self.work
         )
@@ -47,7 +40,7 @@ class IndependentSearch:
         Raises:
             KeyboardInterrupt: Ctrl-C; what was finished is kept.
         """
-        enough = len(self.track.rounds) >= self._first
+        enough = len(self.track.rounds) >= len(MUS)
         if self.pool.paths and enough and self._hopped < _HOPS * self.work.spent:
             before = self.work.spent
             self.hops.make()
