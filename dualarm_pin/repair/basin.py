@@ -92,7 +92,7 @@ class Basin:
         if margin > 0.0:
             more = np.zeros((len(self.survey.pairs.number), len(q)))
             more[self.survey.pairs.loose] = margin
-            wider = yield from self._apart(q, more, np.inf)
+            wider = yield from self._apart(q, more, np.inf, self.settle)
             if wider is None:
                 return None
             q = wider.q
@@ -115,17 +115,27 @@ class Basin:
         return ended(self._kept(path.q, extra, np.inf))
 
     def _kept(self, q: Array, extra: Array, limit: float) -> Steps:
-        """Return the end of rounds at the points and then between them; `extra` is changed."""
-        found = yield from self._apart(q, extra, limit)
+        """Return the end of rounds at the points and then between them; `extra` is changed.
+
+        The first path that is apart is yielded; what follows may bring its objective down.
+        """
+        found = yield from self._clear(q, extra, limit, settle=False)
+        if found is None or not self.settle:
+            return found
+        yield Standing(found.objective, 0.0, True, found)
+        return (yield from self._clear(found.q, extra, limit, settle=True)) or found
+
+    def _clear(self, q: Array, extra: Array, limit: float, *, settle: bool) -> Steps:
+        found = yield from self._apart(q, extra, limit, settle)
         if not self.between:
             return found
         for _ in range(_MORE_ROUNDS):
             if found is None or add_dips(self.survey, found.q, extra) <= ENOUGH:
                 return found
-            found = yield from self._apart(found.q, extra, limit)
+            found = yield from self._apart(found.q, extra, limit, settle)
         return None
 
-    def _apart(self, q: Array, extra: Array, limit: float) -> Steps:
+    def _apart(self, q: Array, extra: Array, limit: float, settle: bool) -> Steps:
         """Return the end of rounds of witness rows, `extra` (p, k) asked beyond what is [m]."""
         best: Repaired | None = None
         lacks: list[float] = []
@@ -151,7 +161,7 @@ class Basin:
                 settled = best is not None and path.objective > (1.0 - _SETTLED) * best.objective
                 if best is None or path.objective < best.objective:
                     best = path
-                if settled or moved < _STILL or not self.settle:
+                if settled or moved < _STILL or not settle:
                     break
         return best
 

@@ -88,12 +88,10 @@ class Apart:
         """Return how many of the tried paths ended in one of them."""
         return sum(same_path(each.q, path.q) for each in self.found)
 
-    def take(self, path: Repaired | None) -> None:
-        """Count a path that was tried."""
-        self.tried += 1
-        if path is not None:
-            self.found.append(path)
-            self.found.sort(key=lambda each: each.objective)
+    def take(self, path: Repaired) -> None:
+        """Keep a path that came apart."""
+        self.found.append(path)
+        self.found.sort(key=lambda each: each.objective)
 
 
 def keep_apart(
@@ -151,7 +149,10 @@ class _Tries:
 
     def take(self, path: Array) -> None:
         """Move one path apart."""
-        self._keep(self.basin.repaired(path))
+        self.result.tried += 1
+        apart = self.basin.repaired(path)
+        if apart is not None:
+            self._keep(apart)
 
     def enter(self, minima: Sequence[tuple[float, Array]]) -> None:
         """Let minima of the search take part."""
@@ -188,8 +189,10 @@ class _Tries:
             elif len(race):
                 ended, path = race.round(np.inf if best is None else best.objective)
                 if ended:
-                    self._keep(path)
+                    self.result.tried += 1
                     near = False
+                if path is not None:
+                    self._keep(path)
                 moved += meter.spent - before
             elif best is None and meter.spent > last:
                 last = meter.spent
@@ -232,6 +235,6 @@ class _Tries:
             jobs=self.jobs,
         )
 
-    def _keep(self, path: Repaired | None) -> None:
+    def _keep(self, path: Repaired) -> None:
         self.result.take(path)
-        self.basin.survey.meter.found = self.result.best is not None
+        self.basin.survey.meter.found = True

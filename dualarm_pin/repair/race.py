@@ -97,7 +97,7 @@ class Race:
             best: The lowest objective of a path that came apart: others give up above it.
 
         Returns:
-            Whether the path ended, and what it came to.
+            Whether the path ended, and where bodies are apart on it, if they are.
         """
         meter = self.basin.survey.meter
         dear = _DEAR[bool(np.isfinite(best))] / self.budget
@@ -122,8 +122,7 @@ class Race:
         one.promise = min(expected, _BETWEEN * one.last)
         if given_up:
             self._runners.remove(one)
-            return True, None
-        return False, None
+        return given_up, standing.found
 
     def _doubt(self, kind: str) -> None:
         """Expect less of those of a kind that have not begun."""

@@ -39,11 +39,13 @@ class Standing(NamedTuple):
         value: Objective there.
         lack: The largest lack of its bodies [m].
         kept: They are far enough apart at the points, and the path is on its rows.
+        found: The path, where it is apart between the points too.
     """
 
     value: float
     lack: float
     kept: bool
+    found: Repaired | None = None
 
 
 Steps = Generator[Standing, None, Repaired | None]
