@@ -123,9 +123,11 @@ class Basin:
         if found is None or not self.settle:
             return found
         yield Standing(found.objective, 0.0, True, found)
-        return (yield from self._clear(found.q, extra, limit, settle=True)) or found
+        settled = yield from self._clear(found.q, extra, limit, settle=True)
+        return found if settled is None or settled.objective > found.objective else settled
 
     def _clear(self, q: Array, extra: Array, limit: float, *, settle: bool) -> Steps:
+        """Return the end of rounds at the points, then with more room where bodies dip between."""
         found = yield from self._apart(q, extra, limit, settle)
         if not self.between:
             return found

@@ -74,7 +74,7 @@ class Walks:
         self.left = max((len(found) for _, found in self._alone), default=0)
         if not chosen:
             return []
-        paths = _walk(self.survey, [at for at, _ in chosen], np.array([q for _, q in chosen]))
+        paths = walked(self.survey, [at for at, _ in chosen], np.array([q for _, q in chosen]))
         self._walked += list(paths)
         return [(_value(problem, path), path) for path in self._turns.folded(paths)]
 
@@ -117,7 +117,7 @@ def _apart_alone(
     return [q for _, q in sorted(found, key=lambda each: each[0])[:most]]
 
 
-def _walk(survey: Survey, anchors: list[int], postures: Array) -> Array:
+def walked(survey: Survey, anchors: list[int], postures: Array) -> Array:
     """Walk from postures (s, n) at points of their own to both ends of the path, side by side.
 
     The bodies are held apart at each step. Calls cost more than a point: so all steps of one
