@@ -1,4 +1,4 @@
-"""The best path that keeps its bodies apart: from walks that do, and from the lowest minima."""
+"""The best path that keeps its bodies apart: from minima, a search with capsules, and walks."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _EASED = 0.98  # of the best: what it promises when it is moved apart once more,
 _REDUCTIONS = (0.06, 0.03, 0.1, 0.0)  # m: on which side bodies pass each other
 _LED = 1.1  # times as much is expected of a path that capsules lead
 _DEEP = 0.08  # m: minima that lack more hardly ever come apart, whatever it costs
-_NEARLY = 0.06  # m: a path that lacks no more is moved apart before any walk ...
+_NEARLY = 0.06  # m: a path that lacks no more is moved apart before anything else ...
 _STILL_NEAR = 1.5  # ... as long as no more than so many times what it promised is expected
 _LEARNT = 3  # minima, the best first, whose bodies show which capsules are needed
 _MINIMUM, _LED_ONE, _WALK, _BEST = "minimum", "led by capsules", "walk", "best"
@@ -132,7 +132,7 @@ def keep_apart(
 
 
 class _Tries:
-    """What is tried: minima of the search and walks, which have the budget by halves."""
+    """What is tried: minima of the search, paths whose capsules are apart, walks."""
 
     def __init__(
         self, basin: Basin, effort: Effort, result: Apart, seed: int, jobs: int | None
@@ -170,7 +170,7 @@ class _Tries:
                 self.race.enter(path, expected * _LED**number, _LED_ONE, way)
 
     def run(self) -> None:
-        """Walk first, if no minimum is nearly apart; then whichever has had less of the work."""
+        """Minima that are nearly apart, a search with capsules, what came of it; walks at last."""
         meter, race = self.basin.survey.meter, self.race
         walked = moved = last = 0.0
         near = self._near < np.inf
