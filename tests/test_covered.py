@@ -16,6 +16,7 @@ from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covered import CoveredSearch, differing
 from dualarm_pin.repair.meter import Meter, OverError
+from dualarm_pin.repair.pool import Apart
 from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.walks import walked
@@ -126,3 +127,7 @@ def test_a_path_that_is_apart_is_shown_before_it_settles(survey: Survey, best: A
     assert Basin(survey, between=True).keeps(shown[0].q)
     assert settled is not None
     assert settled.objective <= shown[0].objective
+    apart = Apart()
+    apart.take(shown[0])
+    apart.take(settled)
+    assert apart.found == [settled]  # one path, counted once

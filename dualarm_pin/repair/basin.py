@@ -7,6 +7,8 @@ much their radii are reduced decides on which side the bodies pass each other.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from dualarm_pin.arrays import Array
@@ -124,7 +126,9 @@ class Basin:
             return found
         yield Standing(found.objective, 0.0, True, found)
         settled = yield from self._clear(found.q, extra, limit, settle=True)
-        return found if settled is None or settled.objective > found.objective else settled
+        if settled is None or settled.objective > found.objective:
+            return found
+        return replace(settled, before=found)
 
     def _clear(self, q: Array, extra: Array, limit: float, *, settle: bool) -> Steps:
         """Return the end of rounds at the points, then with more room where bodies dip between."""

@@ -89,7 +89,8 @@ class Apart:
         return sum(same_path(each.q, path.q) for each in self.found)
 
     def take(self, path: Repaired) -> None:
-        """Keep a path that came apart."""
+        """Keep a path that came apart, instead of what it was before it settled."""
+        self.found = [each for each in self.found if each is not path and each is not path.before]
         self.found.append(path)
         self.found.sort(key=lambda each: each.objective)
 
@@ -127,6 +128,7 @@ def keep_apart(
         result.complete, result.cut = False, meter.cut
     except KeyboardInterrupt:
         result.complete, result.cut = False, True
+    result.tried = tries.given + tries.race.tried
     basin.survey.meter = Meter(basin.survey.problem)  # what follows is the check of the answer
     return result
 
@@ -142,14 +144,14 @@ class _Tries:
         self.race = Race(basin, effort.work)
         self._minima: Sequence[tuple[float, Array]] = []
         self._margins = list(_MARGINS[: effort.margins])
-        self._drawn, self._near = 0, np.inf
+        self._drawn, self._near, self.given = 0, np.inf, 0
         self._covered = CoveredSearch(basin.survey, seed=seed, jobs=jobs)
         self._rounds = 0
         self._walks = self._drawn_anew(effort.postures)
 
     def take(self, path: Array) -> None:
         """Move one path apart."""
-        self.result.tried += 1
+        self.given += 1
         apart = self.basin.repaired(path)
         if apart is not None:
             self._keep(apart)
@@ -188,9 +190,7 @@ class _Tries:
                 race.enter(best.q, best.objective * _EASED, _BEST, margin=margin)
             elif len(race):
                 ended, path = race.round(np.inf if best is None else best.objective)
-                if ended:
-                    self.result.tried += 1
-                    near = False
+                near = near and not ended
                 if path is not None:
                     self._keep(path)
                 moved += meter.spent - before

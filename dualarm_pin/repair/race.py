@@ -57,10 +57,11 @@ class Race:
     Attributes:
         basin: What moves them.
         budget: Seconds that all of them may cost.
+        tried: Paths that had a round.
     """
 
     def __init__(self, basin: Basin, budget: float) -> None:
-        self.basin, self.budget = basin, budget
+        self.basin, self.budget, self.tried = basin, budget, 0
         self._runners: list[_Runner] = []
 
     def __len__(self) -> int:
@@ -103,6 +104,7 @@ class Race:
         dear = _DEAR[bool(np.isfinite(best))] / self.budget
         one = min(self._runners, key=lambda each: each.behind(dear))
         before = meter.spent
+        self.tried += not one.rounds
         try:
             standing = next(one.steps)
         except StopIteration as end:

@@ -22,6 +22,7 @@ class Repaired:
         contacts: What these rows were made of.
         apart: (c,) how far apart they were asked to be [m].
         extra: (p, k) what was asked of pairs at points beyond what is required [m].
+        before: The path as it came apart first, where it has settled since.
     """
 
     q: Array
@@ -30,6 +31,7 @@ class Repaired:
     contacts: Contacts
     apart: Array
     extra: Array
+    before: Repaired | None = None
 
 
 class Standing(NamedTuple):
