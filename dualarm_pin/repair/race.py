@@ -135,7 +135,7 @@ class Race:
 
 def _given_up(one: _Runner, standing: Standing, best: float) -> bool:
     """Tell whether a path whose bodies are apart will not come below the best any more."""
-    if not standing.kept:
+    if not standing.kept or standing.found is not None:  # what it gains by settling is to be seen
         return False
     gain, one.last = one.last - standing.value, standing.value
     return bool(np.isfinite(gain) and standing.value - _AHEAD * max(gain, 0.0) > best)
