@@ -15,11 +15,12 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN
+from dualarm_pin.repair.dips import INNER, inner_postures
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.search.independent import IndependentSearch
 from dualarm_pin.tolerance import TOLERANCE
 
-_POSTURES = 8  # of a path, at which its bodies are measured
+_POSTURES = 10  # of a path, at which its bodies are measured
 _PATHS = 3  # paths, the best first, from which is learnt
 _WORST = 2  # pairs of a posture that have rows from then on: those beside them move with them
 _REACH = 0.03  # m: pairs so near say how much fatter their capsules are
@@ -51,8 +52,17 @@ class CoveredSearch:
         self._deep = np.full(len(pairs.number), -np.inf)
 
     def learn(self, q: Array) -> float:
-        """Measure some postures of a path (k, n); return what its bodies lack at most [m]."""
-        some = q[:: max(1, len(q) // _POSTURES)]
+        """Measure some postures of a path (k, n); return what their bodies lack at most [m].
+
+        Of each part of it the one where capsules are nearest, between points too: a path that
+        jumps through a body keeps it apart at its points.
+        """
+        every = np.concatenate([q, inner_postures(q)])[np.argsort(_order(len(q)), kind="stable")]
+        nearest = (self.survey.capsule_gaps(every) + self._reduced())[:, self._may].min(
+            axis=1, initial=np.inf
+        )
+        parts = np.array_split(np.arange(len(every)), _POSTURES)
+        some = every[[part[np.argmin(nearest[part])] for part in parts if len(part)]]
         found, gaps = self.survey.contacts(some, _REACH), self.survey.capsule_gaps(some)
         lacking = np.flatnonzero(found.lack > TOLERANCE.clearance)
         order = lacking[np.lexsort((-found.lack[lacking], found.point[lacking]))]
@@ -87,13 +97,23 @@ class CoveredSearch:
         self.paths = [(value, q, lack) for (value, q), lack in zip(paths, lacks, strict=True)]
 
     def _problem(self) -> Problem:
-        survey, share = self.survey, _SHARES[(self._rounds - 1) % len(_SHARES)]
+        active = np.tile(self._active, (self.survey.problem.k, 1))
+        rows = self.survey.capsule_table(active, self._reduced())
+        return self.survey.problem.with_pairs(rows)
+
+    def _reduced(self) -> Array:
+        """Return what is taken off the capsules of each pair (p,) [m]."""
+        share = _SHARES[max(self._rounds - 1, 0) % len(_SHARES)]
         reduced = np.where(self._deep > -np.inf, self._deep, _FATTER)
         for pair, much in enumerate(self._near):
             if much:
                 reduced[pair] = np.quantile(much, share)
-        active = np.tile(self._active, (survey.problem.k, 1))
-        return survey.problem.with_pairs(survey.capsule_table(active, reduced))
+        return reduced
+
+
+def _order(k: int) -> Array:
+    """Return where k points, then the postures between them, are on a path."""
+    return np.concatenate([np.arange(k, dtype=np.float64), np.arange(k - 1).repeat(INNER) + 0.5])
 
 
 def differing(minima: Sequence[tuple[float, Array]]) -> list[tuple[float, Array]]:
