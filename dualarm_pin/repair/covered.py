@@ -20,7 +20,8 @@ from dualarm_pin.repair.survey import Survey
 from dualarm_pin.search.independent import IndependentSearch
 from dualarm_pin.tolerance import TOLERANCE
 
-_POSTURES = 10  # of a path, at which its bodies are measured
+_POSTURES = 8  # of a path, at which its bodies are measured
+_BETWEEN = 4  # postures between its points, at which they are looked at
 _PATHS = 3  # paths, the best first, from which is learnt
 _WORST = 2  # pairs of a posture that have rows from then on: those beside them move with them
 _REACH = 0.03  # m: pairs so near say how much fatter their capsules are
@@ -52,17 +53,12 @@ class CoveredSearch:
         self._deep = np.full(len(pairs.number), -np.inf)
 
     def learn(self, q: Array) -> float:
-        """Measure some postures of a path (k, n); return what their bodies lack at most [m].
+        """Measure some points of a path (k, n); return what bodies lack at most on it [m].
 
-        Of each part of it the one where capsules are nearest, between points too: a path that
-        jumps through a body keeps it apart at its points.
+        That is looked for where capsules are nearest, between points too: a path that jumps
+        through a body keeps it apart at its points.
         """
-        every = np.concatenate([q, inner_postures(q)])[np.argsort(_order(len(q)), kind="stable")]
-        nearest = (self.survey.capsule_gaps(every) + self._reduced())[:, self._may].min(
-            axis=1, initial=np.inf
-        )
-        parts = np.array_split(np.arange(len(every)), _POSTURES)
-        some = every[[part[np.argmin(nearest[part])] for part in parts if len(part)]]
+        some = q[:: max(1, len(q) // _POSTURES)]
         found, gaps = self.survey.contacts(some, _REACH), self.survey.capsule_gaps(some)
         lacking = np.flatnonzero(found.lack > TOLERANCE.clearance)
         order = lacking[np.lexsort((-found.lack[lacking], found.point[lacking]))]
@@ -75,7 +71,10 @@ class CoveredSearch:
                 self._near[pair].append(float(much))
             else:
                 self._deep[pair] = max(self._deep[pair], float(much))
-        return found.worst
+        between = inner_postures(q)
+        gaps = (self.survey.capsule_gaps(between) + self._reduced())[:, self._may]
+        nearest = np.argsort(gaps.min(axis=1, initial=np.inf), kind="stable")[::INNER][:_BETWEEN]
+        return max(found.worst, self.survey.contacts(between[np.sort(nearest)], 0.0).worst)
 
     def round(self, work: float) -> None:
         """Search for so many seconds of work.
@@ -109,11 +108,6 @@ class CoveredSearch:
             if much:
                 reduced[pair] = np.quantile(much, share)
         return reduced
-
-
-def _order(k: int) -> Array:
-    """Return where k points, then the postures between them, are on a path."""
-    return np.concatenate([np.arange(k, dtype=np.float64), np.arange(k - 1).repeat(INNER) + 0.5])
 
 
 def differing(minima: Sequence[tuple[float, Array]]) -> list[tuple[float, Array]]:
