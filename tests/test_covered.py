@@ -21,6 +21,7 @@ from dualarm_pin.repair.repaired import Repaired
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.walks import walked
 from dualarm_pin.task import Task
+from dualarm_pin.tolerance import TOLERANCE
 
 Array = NDArray[np.float64]
 
@@ -131,3 +132,20 @@ def test_a_path_that_is_apart_is_shown_before_it_settles(survey: Survey, best: A
     apart.take(shown[0])
     apart.take(settled)
     assert apart.found == [settled]  # one path, counted once
+
+
+def test_a_jump_through_a_body_is_seen(survey: Survey, best: Array) -> None:
+    search, random, k = CoveredSearch(survey, seed=0, jobs=1), np.random.default_rng(0), len(best)
+    problem, need = survey.problem, TOLERANCE.clearance
+
+    def lack(q: Array) -> float:
+        return survey.contacts(q[None], 0.0).worst
+
+    for _ in range(1000):
+        one, other = random.uniform(problem.lower, problem.upper, (2, problem.n))
+        if max(lack(one), lack(other)) < need and lack(0.5 * (one + other)) > 0.1:
+            break
+    stays, jumps = np.tile(one, (k, 1)), np.tile(one, (k, 1))
+    jumps[k // 2 :] = other
+    assert search.learn(stays) < need
+    assert search.learn(jumps) > 0.1

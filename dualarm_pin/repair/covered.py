@@ -52,6 +52,11 @@ class CoveredSearch:
         self._near: list[list[float]] = [[] for _ in pairs.number]
         self._deep = np.full(len(pairs.number), -np.inf)
 
+    @property
+    def rows(self) -> int:
+        """How many pairs have rows in the next round."""
+        return int(self._active.sum())
+
     def learn(self, q: Array) -> float:
         """Measure some points of a path (k, n); return what bodies lack at most on it [m].
 

@@ -205,11 +205,14 @@ class _Tries:
         if not self._rounds:
             for _, path in self._minima[:_LEARNT]:
                 self._covered.learn(path)
+        rows = self._covered.rows
         self._covered.round(self.effort.round)
         self._rounds += 1
-        for value, path, lack in self._covered.paths[: self.effort.basins]:
-            if lack <= _DEEP:
-                self.race.enter(path, promise(value, lack), _COVERED)
+        near = [each for each in self._covered.paths if each[2] <= _DEEP]
+        for value, path, lack in near[: self.effort.basins]:
+            self.race.enter(path, promise(value, lack), _COVERED)
+        if not near and self._covered.rows == rows:  # the next round would be as this one
+            self._rounds = self.effort.covered
 
     def _walks_next(self, walked: float, moved: float) -> bool:
         """Tell whether to walk, after so much work on walks and on moving paths apart."""
