@@ -96,6 +96,17 @@ def test_the_work_of_a_round_is_counted_and_ends_it(task: Task, best: Array) -> 
         search.round(10.0)
 
 
+def test_a_cell_that_the_engine_has_not_seen_yet_is_compared_first() -> None:
+    survey = _survey(Task.load(TASK, ["clearance=0.22"]))  # another solver may have searched
+    problem = survey.problem
+    search = CoveredSearch(survey, seed=0, jobs=1)
+    lower, upper = problem.lower, problem.upper
+    search.learn(np.random.default_rng(0).uniform(lower, upper, (problem.k, problem.n)))
+    assert search.rows > 0
+    search.round(0.01)
+    assert search.paths
+
+
 def test_of_twins_one_is_enough() -> None:
     q = np.zeros((2, 3))
     kept = differing([(1.0, q), (1.0005, q), (1.1, q), (1.1, q)])

@@ -21,6 +21,7 @@ from dualarm_pin.repair.known import Hulls, Known, Measured
 from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
+from dualarm_pin.solvers.interior_point import compare
 
 _CLEAR = 0.01  # m: meshes that keep so much more have no rows until they come nearer
 _SURE = 1e-6  # m: nearer points say nothing of a direction
@@ -37,6 +38,9 @@ class Survey:
     """
 
     def __init__(self, problem: Problem, pairs: Pairs, meter: Meter | None = None) -> None:
+        compare(
+            problem
+        )  # before it has rows that the engine alone knows; any solver may have searched
         self.problem, self.pairs = problem, pairs
         self.meter = Meter(problem) if meter is None else meter
         self.joints = joints_on_chain(problem)

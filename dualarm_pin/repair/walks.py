@@ -54,7 +54,7 @@ class Walks:
         self._walked: list[Array] = []
 
     def next(self) -> list[tuple[float, Array]]:
-        """Walk from the next best minimum of each anchor.
+        """Walk from the next best minima of each anchor.
 
         Returns:
             Objective and path (k, n) of each, nearly apart.
