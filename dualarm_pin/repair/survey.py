@@ -38,9 +38,7 @@ class Survey:
     """
 
     def __init__(self, problem: Problem, pairs: Pairs, meter: Meter | None = None) -> None:
-        compare(
-            problem
-        )  # before it has rows that the engine alone knows; any solver may have searched
+        compare(problem)  # without the rows of pairs, that the engine alone knows
         self.problem, self.pairs = problem, pairs
         self.meter = Meter(problem) if meter is None else meter
         self.joints = joints_on_chain(problem)
