@@ -20,7 +20,7 @@ from dualarm_pin.search.shares import Shares
 from dualarm_pin.search.splice import splices
 from dualarm_pin.search.sweep import Sweeps
 from dualarm_pin.search.track import Round, TrackLaw
-from dualarm_pin.search.transfer import transfers
+from dualarm_pin.search.transfer import Transfers
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
 from dualarm_pin.solvers import interior_point as engine
@@ -207,10 +207,12 @@ def test_what_two_paths_differ_in_is_put_onto_a_third(problem: Problem) -> None:
     both = middle.copy()
     both[:, 0] += 0.5
     both[:, 7] -= 0.5
-    found = transfers(problem, Turns(problem), pool, 60, np.random.default_rng(0))
+    transfers = Transfers(problem, Turns(problem), pool)
+    found = transfers.promising(60)
     assert any(np.allclose(q, both) for q in found)
     assert np.all(found < problem.upper + 0.3)
     assert np.all(found > problem.lower - 0.3)
+    assert not len(transfers.promising(60))
 
 
 def test_a_kind_that_won_gets_more_of_the_work_and_the_others_some() -> None:

@@ -2,9 +2,10 @@
 
 Most hops shift all joints at random, the others put the point on another branch (`Branches`).
 A window hop leaves the rest of the path as it is and solves its window between fixed neighbours; a
-whole hop has no neighbours. Transfers and splices put paths together from several. Which kind gets
-how much of the work is seen from what it wins (`Shares`). None of these are independent starts: a
-hop knows what was found before, so it is no law and counts for no evidence.
+whole hop has no neighbours. Which kind gets how much of the work is seen from what it wins
+(`Shares`). Transfers and splices put paths together from several as soon as there are new ones.
+None of these are independent starts: a hop knows what was found before, so it is no law and counts
+for no evidence.
 """
 
 from __future__ import annotations
@@ -23,8 +24,8 @@ from dualarm_pin.search.shares import Shares
 from dualarm_pin.search.splice import splices
 from dualarm_pin.search.starts import generator
 from dualarm_pin.search.sweep import LONG, Sweeps
-from dualarm_pin.search.track import MUS
-from dualarm_pin.search.transfer import transfers
+from dualarm_pin.search.track import MUS, standing
+from dualarm_pin.search.transfer import Transfers
 from dualarm_pin.search.turns import Turns
 from dualarm_pin.search.work import Work
 from dualarm_pin.solution import Solutions
@@ -42,7 +43,11 @@ _ITERATIONS = 60
 # How likely which share of the path is believed to win as a window: a quarter next to nothing once
 # the path is good.
 _WINDOWS = {0.25: 0.05, 0.5: 0.3, 0.75: 0.2, 1.0: 0.25}
-_TRANSFERS = 0.2  # how often what two paths differ in is put onto a third
+# Transfers: that many are evaluated at once and the best few refined; one so far off its rows
+# [m or rad] would end anywhere.
+_EVALUATED, _TRANSFERRED, _LOST = 24, 4, 2.0
+_FREELY = 0.06  # share of the work that transfers have before they must win as hops do
+_VALUE = 1.0 / 3.0  # of a Newton step, what the objective of a point costs
 _BRANCH = 0.25  # share of hops to another branch: on some cells they win most, on others nothing
 _HERE = Options(1e-3, 0, push=TOLERANCE.no_length)  # the objective of a start, and no more
 _LEAST = 2  # paths, from more of which others are put together
@@ -76,12 +81,15 @@ class Hops:
         self.branches = Branches(problem)
         k = problem.k
         self._sizes = [min(k, max(9, int(share * k)) | 1) for share in _WINDOWS]
-        self._shares = Shares([*_WINDOWS.values(), _TRANSFERS])
+        self._shares = Shares(list(_WINDOWS.values()))
         self._sweeps = Sweeps(problem, work, jobs) if k > LONG else None
         if self._sweeps is not None:
             self._sizes, self._shares = _OF_LONG, Shares([0.5, 0.5])
         self.made = self._batches = 0
         self._splicing = 0.0
+        self._transferred = (0.0, 0.0)  # what transfers won, and their work
+        self._transfers = Transfers(problem, self.turns, pool)
+        self._offered: list[float] = []
         self._known: dict[bytes, Array] = {}
         self._spliced: set[bytes] = set()
 
@@ -93,18 +101,17 @@ class Hops:
         """
         random = generator(self.seed, 41, self.number, self._batches)
         self._batches += 1
-        kind, work, won = self._shares.draw(random), self.work.spent, self.pool.won
-        if kind < len(self._sizes):
-            self._hop(self._sizes[kind], random)
-        else:
+        many = len(self.pool.paths) > _LEAST and self._sweeps is None  # values of long paths cost
+        if many:
             self._transfer(random)
+        kind, work, won = self._shares.draw(random), self.work.spent, self.pool.won
+        self._hop(self._sizes[kind], random)
         self._shares.record(kind, self.work.spent - work, self.pool.won - won)
-        many = (
-            len(self.pool.paths) > _LEAST and self._sweeps is None
-        )  # values of long paths cost more
         if many and self.pool.won > self._splicing:
             self._splicing = self.pool.won
             self._splice(random)
+        if many:
+            self._transfer(random)
 
     def _hop(self, w: int, random: np.random.Generator) -> None:
         problem, pool = self.problem, self.pool
@@ -137,12 +144,24 @@ class Hops:
         self._improve(base[fit], starts, first[fit], random)
 
     def _transfer(self, random: np.random.Generator) -> None:
-        k, starts = self.problem.k, np.zeros(0)
-        if len(self.pool.paths) > _LEAST:
-            starts = transfers(self.problem, self.turns, self.pool, self._batch(k), random)
+        """Refine the most promising transfers, if the pool has changed and they pay as hops do."""
+        pool, k, work, won = self.pool, self.problem.k, self.work.spent, self.pool.won
+        before = self._transferred
+        pays = before[1] < _FREELY * work or self._shares.outdone_by(*before)
+        if self._offered == pool.objectives or not pays:
+            return
+        self._offered = pool.objectives.copy()
+        starts = self._transfers.promising(_EVALUATED)
         if not len(starts):
-            return self._hop(k, random)
-        self._improve(starts.copy(), starts, np.zeros(len(starts), dtype=np.int64), random)
+            return
+        here = self._solved(starts, _HERE)
+        self.work.add(_VALUE * len(starts) * k)
+        best = np.argsort(standing(here), kind="stable")[: min(_TRANSFERRED, self._batch(k))]
+        best = best[here.residual[best] < _LOST]
+        if len(best):
+            first = np.zeros(len(best), dtype=np.int64)
+            self._improve(starts[best], starts[best], first, random)
+        self._transferred = before[0] + pool.won - won, before[1] + self.work.spent - work
 
     def _batch(self, w: int) -> int:
         """Return how many windows of w points make a batch."""

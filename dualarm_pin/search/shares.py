@@ -33,3 +33,8 @@ class Shares:
         """Count what a move of one kind won and took."""
         self._work[kind] += work
         self._won[kind] += won
+
+    def outdone_by(self, won: float, work: float) -> bool:
+        """Tell whether a kind that is none of these has won as much for its work as all of them."""
+        mine = (1.0 + self._won.sum()) / (_BEFORE + self._work.sum())
+        return bool((1.0 + won) / (_BEFORE + work) >= mine)

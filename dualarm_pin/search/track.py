@@ -141,8 +141,7 @@ class TrackLaw:
             return
         coarse = level.problem
         race = self._solved(coarse, paths[kept], Options(1e-3, _RACE_ITERATIONS, mu, push))
-        standing = race.objective + 10.0 * np.maximum(0.0, race.residual - _OFF_PATH)
-        top = np.argsort(standing, kind="stable")[: how.coarse]
+        top = np.argsort(standing(race), kind="stable")[: how.coarse]
         paths, count = race.q[top], count[top]
         if coarse.k < self.problem.k:
             ends = self._solved(coarse, paths, Options(1e-3, mu0=mu, push=push))
@@ -229,6 +228,11 @@ class TrackLaw:
         if ends.interrupted and not keep:
             raise KeyboardInterrupt
         return replace(ends, q=self.turns.folded(ends.q)) if whole else ends
+
+
+def standing(ends: Solutions) -> Array:
+    """Return objectives (s,), and what those far off their rows pay for it."""
+    return np.asarray(ends.objective + 10.0 * np.maximum(0.0, ends.residual - _OFF_PATH))
 
 
 def _groups(paths: Array, value: Array, count: Integers | None = None) -> tuple[Integers, Integers]:
