@@ -30,6 +30,7 @@ class Solids:
         self._corners: dict[int, Array] = {}
         self._triangles: dict[int, Array] = {}
         self._boxes: dict[int, tuple[Array, Array]] = {}
+        self._extents: dict[int, tuple[Array, Array]] = {}
 
     def distance(
         self, pair: int, scene: pin.GeometryData, hulls: float, most: float = np.inf
@@ -69,8 +70,8 @@ class Solids:
         if _is_mesh(self._shapes[inner]):
             point = self._corners_of(inner)[0]
         point = poses[0].actInv(poses[1].act(point))
-        corners = self._corners_of(outer)
-        if np.any(point < corners.min(axis=0)) or np.any(point > corners.max(axis=0)):
+        low, high = self._extent_of(outer)
+        if np.any(point < low) or np.any(point > high):
             return False
         if self._free(outer, point) >= _FREE:
             return False
@@ -92,6 +93,12 @@ class Solids:
             free += not np.any(high[k][on_line] >= point[k])
             free += not np.any(low[k][on_line] <= point[k])
         return free
+
+    def _extent_of(self, body: int) -> tuple[Array, Array]:
+        if body not in self._extents:
+            corners = self._corners_of(body)
+            self._extents[body] = corners.min(axis=0), corners.max(axis=0)
+        return self._extents[body]
 
     def _corners_of(self, body: int) -> Array:
         if body not in self._corners:

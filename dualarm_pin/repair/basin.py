@@ -152,7 +152,7 @@ class Basin:
             lacks.append(contacts.worst)
             if best is None and _hopeless(lacks):
                 break
-            back_off = FIRST_BACK_OFF if best is None else BACK_OFF
+            back_off = BACK_OFF if settle or best is not None else FIRST_BACK_OFF
             path, value, found, corners = self._round(q, contacts, corners, extra, limit, back_off)
             if path is None:
                 break

@@ -9,6 +9,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array, Integers
 
@@ -39,8 +40,8 @@ class Known:
     """
 
     def __init__(self, box: Array) -> None:
-        self._box = box
-        self._at = np.full((_KEPT, 8, 3), np.inf)
+        self._box = np.ascontiguousarray(box.T)
+        self._at = np.full((3, 8, _KEPT), np.inf)
         self._distance = np.full(_KEPT, -np.inf)
         self._measured: list[Measured | None] = [None] * _KEPT
         self._next = 0
@@ -53,7 +54,8 @@ class Known:
             measured where it is the same.
         """
         moved = self._at - self._corners(pose)
-        away = np.sqrt(np.einsum("ijk,ijk->ij", moved, moved).max(axis=1))
+        moved *= moved
+        away = np.sqrt((moved[0] + moved[1] + moved[2]).max(axis=0))
         nearest = int(np.argmin(away))
         same = self._measured[nearest] if away[nearest] < _SAME else None
         met = (self._distance <= 0.0) & (away < _NEARLY)
@@ -61,12 +63,13 @@ class Known:
 
     def add(self, pose: Array, distance: float, measured: Measured | None) -> None:
         """Keep what was measured at a pose (4, 4): a distance that they keep [m], and where."""
-        self._at[self._next], self._distance[self._next] = self._corners(pose), distance
+        self._at[:, :, self._next] = self._corners(pose)[:, :, 0]
+        self._distance[self._next] = distance
         self._measured[self._next] = measured
         self._next = (self._next + 1) % _KEPT
 
     def _corners(self, pose: Array) -> Array:
-        return np.asarray(self._box @ pose[:3, :3].T + pose[:3, 3])
+        return np.asarray(pose[:3, :3] @ self._box + pose[:3, 3:])[:, :, None]
 
 
 class Hulls:
@@ -99,7 +102,9 @@ class Hulls:
         away = np.sqrt(np.einsum("cki,cki->ck", moved, moved).max(axis=1))
         return distance[i, pair] - away, corners
 
-    def keep(self, corners: Array, many: int, i: int, pair: int, distance: float) -> None:
-        """Keep the distance [m] of a pair at posture i of `many`, where its corners (8, 3) are."""
+    def keep(
+        self, corners: Array, many: int, i: Integers, pair: Integers, distance: ArrayLike
+    ) -> None:
+        """Keep distances (c,) [m] of pairs at postures i of `many`, with corners (c, 8, 3)."""
         at, known = self._last[many]
         at[i, pair], known[i, pair] = corners, distance

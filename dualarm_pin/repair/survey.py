@@ -97,6 +97,7 @@ class Survey:
         bound, corners = self._hulls.least(poses, len(q), point, pairs)
         near = np.flatnonzero(bound < asked[point, pairs] + reach)
         self.meter.measured(len(q), len(near))
+        distances: list[float] = []
         at, meshes, geometry, scene = -1, -1, self._geometry, self._scene
         for c, i, pair in zip(near, point[near].tolist(), pairs[near].tolist(), strict=True):
             if i != at:
@@ -106,7 +107,7 @@ class Survey:
             number, required = self._number[pair], float(asked[i, pair])
             result = pin.computeDistance(geometry, scene, number)
             hulls = result.min_distance
-            self._hulls.keep(corners[c], len(q), i, pair, hulls)
+            distances.append(hulls)
             if hulls >= required + reach:
                 continue
             ends = result.getNearestPoint1(), result.getNearestPoint2()
@@ -122,7 +123,10 @@ class Survey:
                             self._model, self._data, self._meshes, self._exact
                         )
                         meshes = i
-                    nearer = self._solids.distance(number, self._exact, hulls, most)
+                    # A body that was outside another cannot be in it before the two have met.
+                    nearer = self._solids.distance(
+                        number, self._exact, np.inf if least > 0.0 else hulls, most
+                    )
                     self.meter.meshes(self._solids.triangles(number))
                     same = self._remember(pair, poses[c], nearer, most)
                     if same is None:
@@ -136,7 +140,9 @@ class Survey:
                     contact = Found(i, pair, same.distance, True, one, two, one)
             found.append(contact)
             if self.pairs.required[pair] - contact.distance > enough:
-                return self._record(found, placed, extra)
+                break
+        met = near[: len(distances)]
+        self._hulls.keep(corners[met], len(q), point[met], pairs[met], distances)
         return self._record(found, placed, extra)
 
     def placements(self, q: Array) -> Array:
