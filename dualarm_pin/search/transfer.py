@@ -16,6 +16,7 @@ from dualarm_pin.search.pool import Pool
 from dualarm_pin.search.turns import Turns
 
 Array = NDArray[np.float64]
+Triple = tuple[int, int, int]
 _OF = 12  # best paths whose differences are taken
 _CUT = 0.3  # rad: a path farther outside the bounds is not looked at
 _SAME = 0.3  # rad: a smaller change leads back to the path it was made from, or to a known one
@@ -23,6 +24,7 @@ _TWICE = 0.2  # rad: nearer to one that was returned before it would end where t
 # Share of the best above it: prices are not quite independent, and a path that ends a little above
 # the best holds a choice that the next transfer takes from it.
 _MARGIN = 5e-3
+_AT_ONCE = 32  # looked at together: few are left to look at once there are enough
 _LOOKS = 150  # sums of three that are made in one call at most: beyond, looking costs more than it
 
 
@@ -32,57 +34,73 @@ class Transfers:
     def __init__(self, problem: Problem, turns: Turns, pool: Pool) -> None:
         self.problem, self.turns, self.pool = problem, turns, pool
         self._number: dict[bytes, int] = {}
-        self._seen: set[tuple[int, int, int]] = set()
-        self._returned: list[Array] = []
+        self._seen: set[Triple] = set()
+        self._returned: Array | None = None
 
     def promising(self, count: int) -> Array:
         """Return changed paths (s, k, n), `count` or fewer, that with the lowest promise first."""
-        pool, turns = self.pool, self.turns
-        known = np.array(pool.paths)
+        known = np.array(self.pool.paths)
+        returned = known[:0] if self._returned is None else self._returned
+        fresh = self._fresh()[:_LOOKS]
         found: list[Array] = []
-        for looks, (base, one, other) in enumerate(self._fresh()):
-            if looks == _LOOKS or len(found) == count:
+        for start in range(0, len(fresh), _AT_ONCE):
+            if len(found) == count:
                 break
-            self._seen.add(self._key(base, one, other))
-            shift = turns.nearest(known[one] - known[other])
-            q = turns.folded((known[base] + shift)[None])[0]
-            if np.abs(shift).max() < _SAME or self._outside(q) > _CUT:
-                continue
-            if _nearest(known, q) < _SAME or _nearest(self._returned, q) < _TWICE:
-                continue
-            found.append(q)
-            self._returned.append(q)
+            some = fresh[start : start + _AT_ONCE]
+            for (_, key), q in zip(some, self._changed(known, [at for at, _ in some]), strict=True):
+                if len(found) == count:
+                    break
+                self._seen.add(key)
+                if not (np.isnan(q[0, 0]) or _near(returned, q, _TWICE)):
+                    found.append(q)
+                    returned = np.concatenate([returned, q[None]])
+        self._returned = returned
         return np.array(found).reshape(-1, *known.shape[1:])
 
-    def _fresh(self) -> list[tuple[int, int, int]]:
-        """Return base, one and other of the sums not looked at that promise enough, best first."""
+    def _changed(self, known: Array, triples: list[Triple]) -> Array:
+        """Return the sums (s, k, n); not a number where nothing new can come of one."""
+        base, one, other = np.array(triples).T
+        shift = self.turns.nearest(known[one] - known[other])
+        q = self.turns.folded(known[base] + shift)
+        outside = np.maximum(self.problem.lower - q, q - self.problem.upper).max(axis=(1, 2))
+        vain = (np.abs(shift).max(axis=(1, 2)) < _SAME) | (outside > _CUT)
+        vain[~vain] = _nearest(known, q[~vain]) < _SAME
+        q[vain] = np.nan
+        return q
+
+    def _fresh(self) -> list[tuple[Triple, Triple]]:
+        """Return the sums not looked at that promise enough, best first.
+
+        Of each: base, one and other by their places in the pool, and by the numbers of their paths.
+        """
         values = np.array(self.pool.objectives[:_OF])
         promise = values[:, None, None] + values[None, :, None] - values[None, None, :]
         limit = self.pool.best + _MARGIN * abs(self.pool.best)
-        triples = np.argwhere(promise < limit)
-        order = np.argsort(promise[promise < limit], kind="stable")
-        return [
-            (base, one, other)
-            for base, one, other in triples[order].tolist()
-            # base + one - other is one + base - other
-            if base < one
-            and other not in (base, one)
-            and self._key(base, one, other) not in self._seen
+        base, one, other = np.nonzero(promise < limit)
+        # base + one - other is one + base - other
+        own = (base < one) & (other != base) & (other != one)
+        triples = np.stack([base, one, other], axis=1)[own]
+        order = np.argsort(promise[tuple(triples.T)], kind="stable")
+        number = [
+            self._number.setdefault(path.tobytes(), len(self._number))
+            for path in self.pool.paths[:_OF]
         ]
-
-    def _key(self, *places: int) -> tuple[int, int, int]:
-        base, one, other = (
-            self._number.setdefault(self.pool.paths[at].tobytes(), len(self._number))
-            for at in places
-        )
-        return base, one, other
-
-    def _outside(self, q: Array) -> float:
-        return float(np.maximum(self.problem.lower - q, q - self.problem.upper).max())
+        pairs = [
+            ((a, b, c), (number[a], number[b], number[c])) for a, b, c in triples[order].tolist()
+        ]
+        return [each for each in pairs if each[1] not in self._seen]
 
 
-def _nearest(paths: Array | list[Array], q: Array) -> float:
-    """Return how far the nearest of paths (s, k, n) is from q, infinite without any."""
+def _nearest(paths: Array | list[Array], q: Array) -> Array:
+    """Return how far the nearest of paths (s, k, n) is from each of q (m, k, n) (m,)."""
     if not len(paths):
-        return np.inf
-    return float(np.abs(np.asarray(paths) - q).max(axis=(1, 2)).min())
+        return np.full(len(q), np.inf)
+    away = [np.abs(np.asarray(paths) - one).max(axis=(1, 2)).min() for one in q]
+    return np.array(away)
+
+
+def _near(paths: Array, q: Array, reach: float) -> bool:
+    """Tell whether one of paths (s, k, n) is nearer than that to q (k, n); by their ends first."""
+    ends = np.maximum(np.abs(paths[:, 0] - q[0]), np.abs(paths[:, -1] - q[-1])).max(axis=1)
+    close = ends < reach
+    return bool(close.any()) and bool((np.abs(paths[close] - q).max(axis=(1, 2)) < reach).any())
