@@ -29,7 +29,13 @@ _LOOKS = 150  # sums of three that are made in one call at most: beyond, looking
 
 
 class Transfers:
-    """The transfers within a pool, each of which is returned once."""
+    """The transfers within a pool, each of which is returned once.
+
+    Args:
+        problem: Its bounds.
+        turns: Full turns, that are no difference.
+        pool: Paths (k, n) and their objectives.
+    """
 
     def __init__(self, problem: Problem, turns: Turns, pool: Pool) -> None:
         self.problem, self.turns, self.pool = problem, turns, pool
@@ -91,12 +97,9 @@ class Transfers:
         return [each for each in pairs if each[1] not in self._seen]
 
 
-def _nearest(paths: Array | list[Array], q: Array) -> Array:
+def _nearest(paths: Array, q: Array) -> Array:
     """Return how far the nearest of paths (s, k, n) is from each of q (m, k, n) (m,)."""
-    if not len(paths):
-        return np.full(len(q), np.inf)
-    away = [np.abs(np.asarray(paths) - one).max(axis=(1, 2)).min() for one in q]
-    return np.array(away)
+    return np.array([np.abs(paths - one).max(axis=(1, 2)).min() for one in q])
 
 
 def _near(paths: Array, q: Array, reach: float) -> bool:
