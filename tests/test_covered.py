@@ -11,10 +11,12 @@ from paper_case import TASK
 
 from dualarm_pin.clearance import ClearanceRule
 from dualarm_pin.clearance.asked import asked_of
+from dualarm_pin.engine.solve import solve
 from dualarm_pin.planners.whole_path import plan_global
 from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covered import CoveredSearch, differing
+from dualarm_pin.repair.fitted import fitted_path
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import Apart
 from dualarm_pin.repair.repaired import Repaired
@@ -74,6 +76,55 @@ def test_the_same_seed_finds_the_same_paths_for_any_number_of_threads(
         search.round(0.05)
         ends.append(np.array([q for _, q, _ in search.paths]))
     np.testing.assert_array_equal(*ends)
+
+
+def test_a_round_with_the_rows_of_the_last_goes_on_from_what_that_came_to(
+    task: Task, best: Array
+) -> None:
+    search = CoveredSearch(_survey(task), seed=0, jobs=1)
+    search.learn(best)
+    values, rows = [], []
+    for _ in range(4):
+        search.round(0.05)
+        values.append(search.paths[0][0])
+        rows.append(search.rows)
+    assert rows[-2] == rows[-3]
+    assert values[-1] < 1.01 * values[-2]  # what is taken off a capsule is measured anew
+
+
+def test_capsules_as_far_apart_as_the_bodies_mend_what_lacks_little(
+    survey: Survey, best: Array
+) -> None:
+    before = survey.contacts(best, 0.0).worst
+    assert before > 0.02
+    path = fitted_path(survey, solve, best)
+    values = []
+    try:
+        while True:
+            values.append(next(path).value)
+    except StopIteration as end:
+        assert survey.contacts(end.value, 0.0).worst < 0.3 * before
+    assert len(values) == 2
+    apart = Basin(survey, between=True).repaired(best)
+    assert apart is not None
+    assert values[-1] == pytest.approx(apart.objective, rel=0.05)
+
+
+def test_what_surely_keeps_enough_is_not_measured_anew(task: Task, best: Array) -> None:
+    survey = _survey(task)
+    first = survey.contacts(best, 0.2)
+    moved = best + 3e-4 * np.sin(np.arange(best.size)).reshape(best.shape)
+    measured: list[int] = []
+    survey.meter.measured = lambda postures, pairs: measured.append(pairs)  # type: ignore[method-assign]
+    again = survey.contacts(moved, 0.2, ample=1e-3)
+    new = _survey(task).contacts(moved, 0.2)
+    assert measured[0] < 0.7 * len(first.point)
+    true = dict(zip(zip(new.point, new.pair, strict=True), new.distance, strict=True))
+    known = dict(zip(zip(again.point, again.pair, strict=True), again.distance, strict=True))
+    assert all(known[key] <= true[key] + 1e-9 for key in known.keys() & true.keys())
+    lacking = {key for key, lack in zip(true, new.lack, strict=True) if lack > -1e-3}
+    assert lacking
+    assert all(known[key] == pytest.approx(true[key], abs=1e-6) for key in lacking)
 
 
 def test_before_anything_lacks_no_pair_has_a_row(survey: Survey, best: Array) -> None:

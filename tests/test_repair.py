@@ -259,7 +259,7 @@ class _Scripted:
         self.survey = SimpleNamespace(meter=Meter(problem))
         self.ends, self.rounds = ends, list[float]()
 
-    def steps(self, q: Array, way: float | None, *, margin: float) -> Steps:
+    def steps(self, q: Array, way: float | None, *, margin: float, fitted: bool = False) -> Steps:
         name = float(q[0, 0])
         for standing in self.ends[name]:
             self.rounds.append(name)

@@ -16,9 +16,11 @@ from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.contacts import Contacts
 from dualarm_pin.repair.dips import DIP, ENOUGH, add_dips, inner_postures
+from dualarm_pin.repair.fitted import fitted_path
 from dualarm_pin.repair.repaired import Repaired, Standing, Steps, ended
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.repair.witness import (
+    AMPLE,
     BACK_OFF,
     FIRST_BACK_OFF,
     REACH,
@@ -89,8 +91,17 @@ class Basin:
         limit: float = np.inf,
         *,
         margin: float = 0.0,
+        fitted: bool = False,
     ) -> Steps:
-        """Yield where a path stands after each round, and return what `repaired` does."""
+        """Yield where a path stands after each round, and return what `repaired` does.
+
+        Args:
+            q: As of `repaired`.
+            reduction: As of `repaired`.
+            limit: As of `repaired`.
+            margin: As of `repaired`.
+            fitted: Capsules that are as far apart as the bodies hold the path first.
+        """
         if margin > 0.0:
             more = np.zeros((len(self.survey.pairs.number), len(q)))
             more[self.survey.pairs.loose] = margin
@@ -100,6 +111,10 @@ class Basin:
             q = wider.q
         if reduction is not None:
             q = self._led(q, reduction)
+        if fitted:
+            q = yield from fitted_path(
+                self.survey, lambda problem, q: self._solved(problem, q, _MU), q
+            )
         nothing = np.zeros((len(self.survey.pairs.number), len(q)))
         return (yield from self._kept(q, nothing, limit))
 
@@ -146,7 +161,7 @@ class Basin:
         best: Repaired | None = None
         lacks: list[float] = []
         vain = 0
-        contacts = self.survey.contacts(q, REACH, extra)
+        contacts = self.survey.contacts(q, REACH, extra, ample=AMPLE)
         corners = contacts.take(np.zeros(0, dtype=np.int64))
         for _ in range(_ROUNDS):
             lacks.append(contacts.worst)
@@ -198,7 +213,7 @@ class Basin:
             end = self._solved(problem, start, _MU)
             if end.feasible and end.objective > limit:
                 return None, end.objective, contacts, corners
-            found = survey.contacts(end.q, REACH, extra)
+            found = survey.contacts(end.q, REACH, extra, ample=AMPLE)
             if found.worst <= most:
                 value = end.objective if end.feasible else np.inf
                 path = Repaired(end.q, value, problem, held, apart, extra.copy())
@@ -210,7 +225,7 @@ class Basin:
         at = end.q
         for _ in range(_HALVINGS):
             at = (q + at) / 2.0
-            found = survey.contacts(at, REACH, extra)
+            found = survey.contacts(at, REACH, extra, ample=AMPLE)
             if found.worst <= max(most, _SLIP):
                 break
         path = Repaired(at, np.inf, problem, held, apart, extra.copy())

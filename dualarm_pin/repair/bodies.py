@@ -133,14 +133,30 @@ def capsule_table(pairs: Pairs, joints: Joints, active: Flags, reduced: Array) -
         active: (k, p) which pair has a row at which point.
         reduced: (p,) taken off what their segments must keep [m].
     """
+    point, pair = np.nonzero(active)
+    return capsule_rows(pairs, joints, len(active), point, pair, reduced[pair])
+
+
+def capsule_rows(
+    pairs: Pairs, joints: Joints, k: int, point: Integers, pair: Integers, reduced: Array
+) -> RowTable:
+    """Return one row for each of c capsules.
+
+    Args:
+        pairs: The pairs.
+        joints: Where their joints are on the chain.
+        k: Points of the problem.
+        point: (c,) where each row holds, ascending.
+        pair: (c,) of which pair.
+        reduced: (c,) taken off what their segments must keep [m].
+    """
+    joint = pairs.joint[pair]
     ends = [
-        in_segment(joints, pairs.joint[:, side], pairs.ends[:, side, end])
+        in_segment(joints, joint[:, side], pairs.ends[pair, side, end])
         for side in (0, 1)
         for end in (0, 1)
     ]
-    apart = np.maximum(pairs.radius.sum(axis=1) + pairs.required - reduced, 0.0)
+    apart = np.maximum(pairs.radius[pair].sum(axis=1) + pairs.required[pair] - reduced, 0.0)
+    first, second = np.maximum(joints.segment[joint], 0).T
     data = np.hstack([*ends, apart[:, None]])
-    segment = np.maximum(joints.segment[pairs.joint], 0)
-    point, pair = np.nonzero(active)
-    first, second = segment[pair].T
-    return pair_table(len(active), point, CAPSULES, first, second, data[pair])
+    return pair_table(k, point, CAPSULES, first, second, data)

@@ -13,11 +13,13 @@ from collections.abc import Sequence
 import numpy as np
 
 from dualarm_pin.arrays import Array
+from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN
 from dualarm_pin.repair.dips import INNER, inner_postures
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.search.independent import IndependentSearch
+from dualarm_pin.solvers import interior_point as engine
 from dualarm_pin.tolerance import TOLERANCE
 
 _POSTURES = 8  # of a path, at which its bodies are measured
@@ -25,7 +27,11 @@ _BETWEEN = 4  # postures between its points, at which they are looked at
 _PATHS = 3  # paths, the best first, from which is learnt
 _WORST = 2  # pairs of a posture that have rows from then on: those beside them move with them
 _REACH = 0.03  # m: pairs so near say how much fatter their capsules are
-_CLOSE = 0.04  # m: pairs deeper in each other say it less well
+# m: pairs deeper in each other say it less well, and those farther apart do not count.
+_CLOSE, _APART = 0.04, 0.01
+_AGAIN, _SEEDS = 0.06, 8  # m: paths that lack less take part in the next round, the best ones
+_SEED = Options(TOLERANCE.search, 60, 1e-2, 1e-2)  # new rows move them a little
+_BEYOND = 1.3  # a step like the last one that would end beyond so many times the work is not begun
 _FATTER = 0.02  # m: so much are capsules fatter than bodies, until anything is measured
 # Which of the measured values is taken off, in turn: with less off the bodies are sure to be apart,
 # with more the path is better and some of it has to be mended.
@@ -44,7 +50,7 @@ class CoveredSearch:
     def __init__(self, survey: Survey, *, seed: int, jobs: int | None) -> None:
         self.survey = survey
         self.paths: list[tuple[float, Array, float]] = []
-        self._seed, self._jobs, self._rounds = seed, jobs, 0
+        self._seed, self._jobs, self._rounds, self._rows = seed, jobs, 0, -1
         pairs = survey.pairs
         on_chain = (survey.joints.segment[pairs.joint] != OFF_CHAIN).all(axis=1)
         self._may = on_chain & pairs.tight
@@ -72,9 +78,9 @@ class CoveredSearch:
         self._active &= self._may
         fatter = -found.lack - gaps[found.point, found.pair]
         for pair, lack, much in zip(found.pair.tolist(), found.lack, fatter, strict=True):
-            if abs(lack) < _CLOSE:
+            if -_APART < lack < _CLOSE:
                 self._near[pair].append(float(much))
-            else:
+            elif lack >= _CLOSE:
                 self._deep[pair] = max(self._deep[pair], float(much))
         between = inner_postures(q)
         gaps = (self.survey.capsule_gaps(between) + self._reduced())[:, self._may]
@@ -84,14 +90,27 @@ class CoveredSearch:
     def round(self, work: float) -> None:
         """Search for so many seconds of work.
 
+        What the last round came to takes part where it lacks little. A round with the rows of the
+        last one hops from that and draws no more.
+
         Raises:
             OverError: The meter of the survey has had enough.
             KeyboardInterrupt: Ctrl-C.
         """
-        number, self._rounds, spent = _NUMBER + self._rounds, self._rounds + 1, 0.0
+        number, self._rounds = _NUMBER + self._rounds, self._rounds + 1
         search = IndependentSearch(self._problem(), self._seed, number=number, jobs=self._jobs)
-        while search.work.spent < work:
-            search.step()
+        seeds = np.array([q for _, q, lack in self.paths if lack < _AGAIN][:_SEEDS])
+        if len(seeds):
+            self._enter(search, seeds)
+        hops, self._rows = len(seeds) > 0 and self.rows == self._rows, self.rows
+        spent = last = 0.0
+        while search.work.spent < work and search.work.spent + last < _BEYOND * work:
+            before = search.work.spent
+            if hops and search.pool.paths:
+                search.hops.make()
+            else:
+                search.step()
+            last = search.work.spent - before
             self.survey.meter.searched(search.work.spent - spent)
             spent = search.work.spent
         pool = search.pool
@@ -99,6 +118,18 @@ class CoveredSearch:
         lacks = [self.learn(q) for _, q in paths[:_PATHS]]
         lacks += [max(lacks, default=0.0)] * (len(paths) - len(lacks))
         self.paths = [(value, q, lack) for (value, q), lack in zip(paths, lacks, strict=True)]
+
+    def _enter(self, search: IndependentSearch, seeds: Array) -> None:
+        """Let paths (s, k, n) take part in a search, moved to where its rows hold them."""
+        problem = search.track.problem
+        ends = engine.solve_many(problem, seeds, jobs=self._jobs, options=_SEED)
+        search.work.add(int(ends.iterations.sum()) * problem.k)
+        for q, value in zip(
+            search.track.turns.folded(ends.q[ends.feasible]),
+            ends.objective[ends.feasible].tolist(),
+            strict=True,
+        ):
+            search.pool.offer(q, value)
 
     def _problem(self) -> Problem:
         active = np.tile(self._active, (self.survey.problem.k, 1))

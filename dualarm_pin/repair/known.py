@@ -1,4 +1,4 @@
-"""Distances of a pair that are known from nearby poses: measuring meshes is dear.
+"""Distances of a pair that are known from nearby poses: measuring bodies is dear.
 
 Between two relative poses a distance changes by at most what the second body moves against the
 first, and no point of a body moves more than the corners of a box around it.
@@ -12,6 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from dualarm_pin.arrays import Array, Integers
+from dualarm_pin.repair.contacts import Contacts
+from dualarm_pin.solution import Flags
 
 _KEPT = 64  # poses of each pair, the newest
 _SAME = 1e-4  # m: a body that moves less has the same nearest points, well within the tolerance
@@ -72,8 +74,26 @@ class Known:
         return np.asarray(pose[:3, :3] @ self._box + pose[:3, 3:])[:, :, None]
 
 
-class Hulls:
-    """Lower bounds of the distances of hulls, from the last postures of the same number.
+class _Last(NamedTuple):
+    """What was measured last of p pairs at each of m postures.
+
+    Attributes:
+        corners: (m, p, 8, 3) of the box around the second body then, seen from the first [m].
+        distance: (m, p) that the two kept [m]; minus infinity where nothing was measured.
+        near: (m, p) they were so near that there is a contact.
+        exact: (m, p) of the contact, as in `Contacts`.
+        where: (m, p, 3, 3) its `first`, `second` and `normal`.
+    """
+
+    corners: Array
+    distance: Array
+    near: Flags
+    exact: Flags
+    where: Array
+
+
+class Recent:
+    """Distances and contacts from the last postures of the same number.
 
     Args:
         boxes: Corners (p, 8, 3) of boxes around the second bodies, in their joints' frames [m].
@@ -81,7 +101,7 @@ class Hulls:
 
     def __init__(self, boxes: Array) -> None:
         self._boxes = boxes
-        self._last: dict[int, tuple[Array, Array]] = {}
+        self._last: dict[int, _Last] = {}
 
     def least(self, poses: Array, many: int, i: Integers, pair: Integers) -> tuple[Array, Array]:
         """Return distances (c,) that pairs keep at postures i of `many`, and what `keep` takes.
@@ -96,15 +116,47 @@ class Hulls:
         corners += poses[:, None, :3, 3]
         if many not in self._last:
             shape = (many, len(self._boxes))
-            self._last[many] = np.full((*shape, 8, 3), np.inf), np.full(shape, -np.inf)
-        at, distance = self._last[many]
-        moved = at[i, pair] - corners
+            self._last[many] = _Last(
+                np.full((*shape, 8, 3), np.inf),
+                np.full(shape, -np.inf),
+                np.zeros(shape, dtype=bool),
+                np.zeros(shape, dtype=bool),
+                np.zeros((*shape, 3, 3)),
+            )
+        last = self._last[many]
+        moved = last.corners[i, pair] - corners
         away = np.sqrt(np.einsum("cki,cki->ck", moved, moved).max(axis=1))
-        return distance[i, pair] - away, corners
+        return last.distance[i, pair] - away, corners
 
     def keep(
         self, corners: Array, many: int, i: Integers, pair: Integers, distance: ArrayLike
     ) -> None:
         """Keep distances (c,) [m] of pairs at postures i of `many`, with corners (c, 8, 3)."""
-        at, known = self._last[many]
-        at[i, pair], known[i, pair] = corners, distance
+        last = self._last[many]
+        last.corners[i, pair], last.distance[i, pair] = corners, distance
+        last.near[i, pair] = False
+
+    def record(self, many: int, contacts: Contacts) -> None:
+        """Keep contacts at some of `many` postures, after their distances."""
+        at, last = (contacts.point, contacts.pair), self._last[many]
+        last.near[at], last.exact[at] = True, contacts.exact
+        last.where[at] = np.stack([contacts.first, contacts.second, contacts.normal], axis=1)
+
+    def recorded(
+        self, many: int, i: Integers, pair: Integers, bound: Array, required: Array
+    ) -> Contacts:
+        """Return the contacts that pairs had at postures i of `many`, with what they keep now.
+
+        Args:
+            many: How many postures.
+            i: (c,) which.
+            pair: (c,) which.
+            bound: (c,) distance that each keeps, as of `least` [m].
+            required: (c,) of each [m].
+        """
+        last = self._last[many]
+        near = last.near[i, pair]
+        i, pair, bound, required = i[near], pair[near], bound[near], required[near]
+        first, second, normal = np.moveaxis(last.where[i, pair], 1, 0)
+        exact = last.exact[i, pair]
+        return Contacts(i, pair, bound, required - bound, first, second, normal, exact)

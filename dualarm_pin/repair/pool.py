@@ -210,7 +210,7 @@ class _Tries:
         self._rounds += 1
         near = [each for each in self._covered.paths if each[2] <= _DEEP]
         for value, path, lack in near[: self.effort.basins]:
-            self.race.enter(path, promise(value, lack), _COVERED)
+            self.race.enter(path, promise(value, lack), _COVERED, fitted=True)
         if not near and self._covered.rows == rows:  # the next round would be as this one
             self._rounds = self.effort.covered
 

@@ -79,6 +79,7 @@ class Race:
         kind: str,
         way: float | None = None,
         margin: float = 0.0,
+        fitted: bool = False,
     ) -> None:
         """Let a path take part.
 
@@ -88,8 +89,10 @@ class Race:
             kind: Where it comes from.
             way: Of leading it out of a collision first; see `Basin.repaired`.
             margin: As of `Basin.repaired`.
+            fitted: As of `Basin.steps`.
         """
-        self._runners.append(_Runner(self.basin.steps(q, way, margin=margin), kind, expected))
+        steps = self.basin.steps(q, way, margin=margin, fitted=fitted)
+        self._runners.append(_Runner(steps, kind, expected))
 
     def round(self, best: float) -> tuple[bool, Repaired | None]:
         """Make one round of the most promising path; there has to be one.

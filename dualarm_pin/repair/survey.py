@@ -17,7 +17,7 @@ from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
 from dualarm_pin.repair.contacts import Contacts, Found
-from dualarm_pin.repair.known import Hulls, Known, Measured
+from dualarm_pin.repair.known import Known, Measured, Recent
 from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
@@ -44,8 +44,9 @@ class Survey:
         self.joints = joints_on_chain(problem)
         cell = problem.cell
         boxes = np.array([box_around(points, radius) for points, radius in pairs.hulls])
-        self._hulls = Hulls(boxes.reshape(-1, 8, 3))
+        self._recent = Recent(boxes.reshape(-1, 8, 3))
         self._known = [Known(box) for box in boxes]
+        self._meshes_placed = False
         self._model, self._data = cell.model, cell.model.createData()
         self._geometry = cell.collision
         self._scene = self._geometry.createData()
@@ -57,7 +58,13 @@ class Survey:
         self._capsules = replace(problem, inequalities=table)
 
     def contacts(
-        self, q: Array, reach: float, extra: Array | None = None, *, enough: float = np.inf
+        self,
+        q: Array,
+        reach: float,
+        extra: Array | None = None,
+        *,
+        enough: float = np.inf,
+        ample: float = np.inf,
     ) -> Contacts:
         """Return the pairs that are nearer than what is required of them and `reach` more.
 
@@ -66,9 +73,11 @@ class Survey:
             reach: [m].
             extra: (p, m) what is required of each pair at each posture beyond that [m].
             enough: Where more lacks, `extra` aside, nothing further is measured [m].
+            ample: A pair that surely keeps so much more than is asked is not measured anew [m]:
+                its contact is the last one, and what it surely keeps stands for the distance.
         """
         room = reach if extra is None else reach + extra.T
-        return self.measured(q, self.capsule_gaps(q) < room, reach, extra, enough)
+        return self.measured(q, self.capsule_gaps(q) < room, reach, extra, enough, ample)
 
     def measured(
         self,
@@ -77,6 +86,7 @@ class Survey:
         reach: float = np.inf,
         extra: Array | None = None,
         enough: float = np.inf,
+        ample: float = np.inf,
     ) -> Contacts:
         """Return those of some pairs that are nearer than what is required and `reach` more.
 
@@ -86,6 +96,7 @@ class Survey:
             reach: [m].
             extra: As of `contacts`.
             enough: As of `contacts`.
+            ample: As of `contacts`.
         """
         found: list[Found] = []
         placed, asked = self.placements(q), np.tile(self.pairs.required, (len(q), 1))
@@ -94,16 +105,18 @@ class Survey:
         point, pairs = np.nonzero(which)
         first, second = (placed[point, self.pairs.joint[pairs, side]] for side in (0, 1))
         poses = _relative(first, second)
-        bound, corners = self._hulls.least(poses, len(q), point, pairs)
-        near = np.flatnonzero(bound < asked[point, pairs] + reach)
+        bound, corners = self._recent.least(poses, len(q), point, pairs)
+        close, known = bound < asked[point, pairs] + reach, bound >= asked[point, pairs] + ample
+        near, old = np.flatnonzero(close & ~known), np.flatnonzero(close & known)
         self.meter.measured(len(q), len(near))
         distances: list[float] = []
-        at, meshes, geometry, scene = -1, -1, self._geometry, self._scene
+        at, geometry, scene = -1, self._geometry, self._scene
         for c, i, pair in zip(near, point[near].tolist(), pairs[near].tolist(), strict=True):
             if i != at:
                 at = i
                 pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(q[i]))
                 pin.updateGeometryPlacements(self._model, self._data, geometry, scene)
+                self._meshes_placed = False
             number, required = self._number[pair], float(asked[i, pair])
             result = pin.computeDistance(geometry, scene, number)
             hulls = result.min_distance
@@ -114,23 +127,10 @@ class Survey:
             contact = Found(i, pair, hulls, False, *ends, result.normal)
             if hulls < required:
                 most = required + min(reach, _CLEAR)
-                least, met, same = self._known[pair].least(poses[c])
-                if least >= most:
+                nearer, same = self._meshes_keep(pair, poses[c], hulls, most)
+                distances[-1] = max(hulls, nearer)
+                if nearer >= most:
                     continue
-                if same is None and not met:
-                    if meshes != i:
-                        pin.updateGeometryPlacements(
-                            self._model, self._data, self._meshes, self._exact
-                        )
-                        meshes = i
-                    # A body that was outside another cannot be in it before the two have met.
-                    nearer = self._solids.distance(
-                        number, self._exact, np.inf if least > 0.0 else hulls, most
-                    )
-                    self.meter.meshes(self._solids.triangles(number))
-                    same = self._remember(pair, poses[c], nearer, most)
-                    if same is None:
-                        continue
                 # Meshes that meet have no depth: then the hulls say it.
                 if same is not None and same.distance > max(_SURE, hulls + _SURE):
                     one, two = (
@@ -142,8 +142,13 @@ class Survey:
             if self.pairs.required[pair] - contact.distance > enough:
                 break
         met = near[: len(distances)]
-        self._hulls.keep(corners[met], len(q), point[met], pairs[met], distances)
-        return self._record(found, placed, extra)
+        self._recent.keep(corners[met], len(q), point[met], pairs[met], distances)
+        fresh = self._record(found, placed, extra)
+        self._recent.record(len(q), fresh)
+        required_old = asked[point[old], pairs[old]]
+        return fresh.joined(
+            self._recent.recorded(len(q), point[old], pairs[old], bound[old], required_old)
+        )
 
     def placements(self, q: Array) -> Array:
         """Return the poses (m, j, 4, 4) of the joints at postures (m, n)."""
@@ -152,6 +157,29 @@ class Survey:
             pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(x))
             placed[i] = [place.homogeneous for place in self._data.oMi]
         return placed
+
+    def _meshes_keep(
+        self, pair: int, pose: Array, hulls: float, most: float
+    ) -> tuple[float, Measured | None]:
+        """Return a distance that the meshes of a pair keep, and what was measured, if it is less.
+
+        Args:
+            pair: Which, at the posture that the bodies were placed for last.
+            pose: (4, 4) of the second body in the first.
+            hulls: The distance of their hulls [m].
+            most: Meshes so far apart are not looked at more closely [m].
+        """
+        least, met, same = self._known[pair].least(pose)
+        if same is not None or met or least >= most:
+            return (least if same is None else same.distance), same
+        if not self._meshes_placed:
+            pin.updateGeometryPlacements(self._model, self._data, self._meshes, self._exact)
+            self._meshes_placed = True
+        # A body that was outside another cannot be in it before the two have met.
+        outside = np.inf if least > 0.0 else hulls
+        nearer = self._solids.distance(self._number[pair], self._exact, outside, most)
+        self.meter.meshes(self._solids.triangles(self._number[pair]))
+        return float(nearer.min_distance), self._remember(pair, pose, nearer, most)
 
     def _remember(
         self, pair: int, pose: Array, nearer: coal.DistanceResult, most: float

@@ -19,6 +19,7 @@ REACH = 0.06  # m beyond the required distance that have rows; what comes nearer
 # m asked beyond what is required, so that what is met nearly is enough: more of it until a path is
 # apart for the first time, which saves rounds.
 BACK_OFF, FIRST_BACK_OFF = 3e-4, 1e-3
+AMPLE = 1e-3  # m more than is asked: what surely keeps it is not measured anew while a path moves
 _MOST = 0.05  # m more than there is: the planes are right nearby only
 _NEAR = 1e-6  # m: a corner so near a plane has a row, or needs none
 
