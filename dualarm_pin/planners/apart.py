@@ -37,6 +37,7 @@ if TYPE_CHECKING:
 _CHECKED = 3  # paths, the best first, of which the first is taken that the check confirms
 # Of what is left of a time limit, for the check of the answer; and a second, or half of it.
 _CHECK, _CHECK_S, _CHECK_MOST = 0.25, 1.0, 0.5
+_ROOMS = (1.0, 2.0, 4.0)  # times what lacks: planes that cannot make one room may make another
 _MORE_ROOM = 3  # times; a dip that the check finds is less than a millimetre as a rule
 _NEAR, _HELD = 0.05, 1e-3  # m: with more room, before and after, a row has no part in the path
 
@@ -142,7 +143,8 @@ def _with_room(task: Task, basin: Basin, path: Repaired) -> Iterator[Repaired]:
         lack, line, _, pair = search.worst
         basin.survey.meter = Meter(free.problem, EFFORTS["quick"].work)
         try:
-            wider = basin.roomier(path, pair, line - free.first, lack)
+            ways = (basin.roomier(path, pair, line - free.first, room * lack) for room in _ROOMS)
+            wider = next((way for way in ways if way is not None), None)
         except OverError:
             return
         finally:
