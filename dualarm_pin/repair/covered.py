@@ -15,7 +15,6 @@ import numpy as np
 from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options
 from dualarm_pin.problem import Problem
-from dualarm_pin.repair.bodies import OFF_CHAIN
 from dualarm_pin.repair.dips import INNER, inner_postures
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.search.independent import IndependentSearch
@@ -52,8 +51,6 @@ class CoveredSearch:
         self.paths: list[tuple[float, Array, float]] = []
         self._seed, self._jobs, self._rounds, self._rows = seed, jobs, 0, -1
         pairs = survey.pairs
-        on_chain = (survey.joints.segment[pairs.joint] != OFF_CHAIN).all(axis=1)
-        self._may = on_chain & pairs.tight
         self._active = np.zeros(len(pairs.number), dtype=bool)
         self._near: list[list[float]] = [[] for _ in pairs.number]
         self._deep = np.full(len(pairs.number), -np.inf)
@@ -75,7 +72,7 @@ class CoveredSearch:
         order = lacking[np.lexsort((-found.lack[lacking], found.point[lacking]))]
         place = np.arange(len(order)) - np.searchsorted(found.point[order], found.point[order])
         self._active[found.pair[order[place < _WORST]]] = True
-        self._active &= self._may
+        self._active &= self.survey.covered
         fatter = -found.lack - gaps[found.point, found.pair]
         for pair, lack, much in zip(found.pair.tolist(), found.lack, fatter, strict=True):
             if -_APART < lack < _CLOSE:
@@ -83,7 +80,7 @@ class CoveredSearch:
             elif lack >= _CLOSE:
                 self._deep[pair] = max(self._deep[pair], float(much))
         between = inner_postures(q)
-        gaps = (self.survey.capsule_gaps(between) + self._reduced())[:, self._may]
+        gaps = (self.survey.capsule_gaps(between) + self._reduced())[:, self.survey.covered]
         nearest = np.argsort(gaps.min(axis=1, initial=np.inf), kind="stable")[::INNER][:_BETWEEN]
         return max(found.worst, self.survey.contacts(between[np.sort(nearest)], 0.0).worst)
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.problem import Problem
-from dualarm_pin.repair.bodies import OFF_CHAIN, capsule_rows
+from dualarm_pin.repair.bodies import capsule_rows
 from dualarm_pin.repair.contacts import Contacts
 from dualarm_pin.repair.repaired import Standing
 from dualarm_pin.repair.survey import Survey
@@ -55,8 +55,7 @@ def fitted_path(
 def _rows(survey: Survey, contacts: Contacts, q: Array) -> RowTable:
     """Return a row for each contact at a path: of capsules, or of a plane where there are none."""
     pairs, joints = survey.pairs, survey.joints
-    on_chain = (joints.segment[pairs.joint] != OFF_CHAIN).all(axis=1)
-    covered = (on_chain & pairs.tight)[contacts.pair]
+    covered = survey.covered[contacts.pair]
     near, other = contacts.take(covered), contacts.take(~covered)
     fatter = -near.lack - survey.capsule_gaps(q)[near.point, near.pair]
     rows = capsule_rows(pairs, joints, len(q), near.point, near.pair, fatter - FIRST_BACK_OFF)

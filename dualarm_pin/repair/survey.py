@@ -34,6 +34,8 @@ class Survey:
         problem: The problem.
         pairs: Pairs of which a distance is asked.
         joints: Where their joints are on the chain.
+        on_chain: (p,) pairs that rows can hold: neither body moves both arms.
+        covered: (p,) those of them whose capsules fit their bodies.
         meter: Counts what is measured.
     """
 
@@ -42,6 +44,8 @@ class Survey:
         self.problem, self.pairs = problem, pairs
         self.meter = Meter(problem) if meter is None else meter
         self.joints = joints_on_chain(problem)
+        self.on_chain: Flags = (self.joints.segment[pairs.joint] != OFF_CHAIN).all(axis=1)
+        self.covered = self.on_chain & pairs.tight
         cell = problem.cell
         boxes = np.array([box_around(points, radius) for points, radius in pairs.hulls])
         self._recent = Recent(boxes.reshape(-1, 8, 3))
@@ -210,8 +214,7 @@ class Survey:
             part = q[first : first + k]
             found.append(gaps(self._capsules.window(0, len(part)), part))
         result = np.concatenate(found)
-        on_chain = (self.joints.segment[self.pairs.joint] != OFF_CHAIN).all(axis=1)
-        return np.where(on_chain, result, -np.inf)
+        return np.where(self.on_chain, result, -np.inf)
 
     def _record(
         self,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.repair.bodies import OFF_CHAIN, in_segment, turned
+from dualarm_pin.repair.bodies import in_segment, turned
 from dualarm_pin.repair.contacts import Contacts
 from dualarm_pin.repair.survey import Survey
 from dualarm_pin.rows.table import PLANE_POINT, RowTable, pair_table
@@ -40,7 +40,7 @@ def witness_table(survey: Survey, contacts: Contacts, apart: Array, k: int) -> R
         k: Points of the problem.
     """
     joints, joint = survey.joints, survey.pairs.joint[contacts.pair]
-    movable = (joints.segment[joint] != OFF_CHAIN).all(axis=1)
+    movable = survey.on_chain[contacts.pair]
     near, (first, second) = contacts.take(movable), joint[movable].T
     normal = turned(joints, first, near.normal)
     offset = np.sum(normal * in_segment(joints, first, near.first), axis=1) + apart[movable]
