@@ -13,6 +13,7 @@ import pinocchio as pin
 import pytest
 from numpy.typing import NDArray
 from paper_case import TASK
+from robot_table import needs_robots
 
 import dualarm_pin.evidence.bound as bound_module
 from dualarm_pin.answer.folder import load_result, save_result
@@ -65,7 +66,18 @@ def best(task: Task) -> Array:
 
 @pytest.fixture(scope="module")
 def survey(task: Task) -> Survey:
+    return survey_of(task)
+
+
+def survey_of(task: Task) -> Survey:
     return Survey(task.problem(), asked_pairs(task.cell, asked_of(task).required))
+
+
+@pytest.fixture(scope="module")
+def wrists() -> Task:
+    """Arms whose wrists turn within the hull of the link before, a millimetre from it."""
+    given = Task.load(urdf_folder() / "tasks" / "b11.yaml")
+    return replace(given, clearance=ClearanceRule(0.01, spare_fixed=True))
 
 
 def test_a_capsule_holds_its_body() -> None:
@@ -188,12 +200,12 @@ def test_a_distance_that_is_known_from_a_nearby_pose_is_never_too_large(survey: 
     pose = np.eye(4)
     measured = Measured(0.2, np.zeros(3), np.ones(3))
     known.add(pose, 0.2, measured)
-    assert known.least(pose) == (0.2, False, measured)
+    assert known.least(pose) == (0.2, False, measured, True)
     for _ in range(20):
         moved = pin.exp6(random.normal(scale=0.05, size=6)).homogeneous
         away = np.linalg.norm(points @ moved[:3, :3].T + moved[:3, 3] - points, axis=1).max()
         assert known.least(moved)[0] <= 0.2 - away + 1e-12
-        assert known.least(moved)[2] is None
+        assert known.least(moved)[2:] == (measured, False)
 
 
 def test_what_is_measured_again_nearby_is_what_is_measured_anew(task: Task, survey: Survey) -> None:
@@ -207,6 +219,38 @@ def test_what_is_measured_again_nearby_is_what_is_measured_anew(task: Task, surv
         np.testing.assert_array_equal(again.point, anew.point)
         np.testing.assert_array_equal(again.pair, anew.pair)
         np.testing.assert_allclose(again.distance, anew.distance, atol=2e-4)
+
+
+@needs_robots
+def test_meshes_decide_where_their_hulls_just_keep_what_is_asked(wrists: Task) -> None:
+    cell, survey = wrists.cell, survey_of(wrists)
+    q = np.random.default_rng(0).uniform(cell.lower, cell.upper, (12, cell.n))
+    found = survey.contacts(q, 0.06)
+    tight = found.take(found.lack > -9e-4)
+    places = zip(q[tight.point], survey.pairs.number[tight.pair].tolist(), strict=True)
+    exact = np.array([cell.distance(x, number, exact=True) for x, number in places])
+    apart = exact > 0.0
+    assert np.count_nonzero(apart) > 10
+    np.testing.assert_allclose(tight.distance[apart], exact[apart], atol=2e-4)
+
+
+@needs_robots
+def test_a_pair_that_surely_keeps_more_is_not_measured_anew(wrists: Task) -> None:
+    cell = wrists.cell
+    q = np.random.default_rng(0).uniform(cell.lower, cell.upper, (12, cell.n))
+    nearby = np.concatenate([q, q[:1]]) + 2e-3  # of another number, so that none is recent
+    spent, least = [], []
+    for ample in (1e-3, np.inf):
+        survey = survey_of(wrists)
+        survey.contacts(q, 0.06)
+        survey.meter = Meter(survey.problem)
+        found = survey.contacts(nearby, 0.06, ample=ample)
+        spent.append(survey.meter.spent)
+        least.append(dict(zip(zip(found.point, found.pair, strict=True), found.lack, strict=True)))
+    assert spent[0] < 0.9 * spent[1]
+    for where, lack in least[0].items():  # what stands for a distance is never more
+        assert lack >= least[1].get(where, -np.inf) - 1e-9
+        assert lack <= max(least[1].get(where, -np.inf), -1e-3) + 1e-9
 
 
 def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, best: Array) -> None:
@@ -283,6 +327,14 @@ def test_a_round_goes_to_the_path_that_promises_most(task: Task) -> None:
         race.round(np.inf)
     assert basin.rounds[:2] == [3.0, 3.0]  # at first what it promised before counts
     assert basin.rounds[-1] == 4.5
+
+
+def test_a_path_that_was_apart_comes_before_one_that_promises_as_much(task: Task) -> None:
+    near, apart = Standing(4.0, 0.0, False), Standing(4.05, 0.0, True)
+    race, basin = _race(task.problem(), {4.0: [near] * 9, 4.01: [apart] * 9})
+    for _ in range(3):
+        race.round(np.inf)
+    assert basin.rounds == [4.0, 4.01, 4.01]
 
 
 def test_a_path_that_is_apart_gives_up_where_it_cannot_get_below_the_best(task: Task) -> None:

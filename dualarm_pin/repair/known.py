@@ -48,20 +48,21 @@ class Known:
         self._measured: list[Measured | None] = [None] * _KEPT
         self._next = 0
 
-    def least(self, pose: Array) -> tuple[float, bool, Measured | None]:
+    def least(self, pose: Array) -> tuple[float, bool, Measured | None, bool]:
         """Say what is known at a pose (4, 4) of the second body in the first.
 
         Returns:
-            A distance [m] that they keep, whether they met at nearly this pose, and what was
-            measured where it is the same.
+            A distance [m] that they keep, whether they met at nearly this pose, what was measured
+            at the nearest one, and whether it is the same.
         """
         moved = self._at - self._corners(pose)
         moved *= moved
         away = np.sqrt((moved[0] + moved[1] + moved[2]).max(axis=0))
         nearest = int(np.argmin(away))
-        same = self._measured[nearest] if away[nearest] < _SAME else None
+        last = self._measured[nearest]
         met = (self._distance <= 0.0) & (away < _NEARLY)
-        return float(np.max(self._distance - away)), bool(met.any()), same
+        same = last is not None and bool(away[nearest] < _SAME)
+        return float(np.max(self._distance - away)), bool(met.any()), last, same
 
     def add(self, pose: Array, distance: float, measured: Measured | None) -> None:
         """Keep what was measured at a pose (4, 4): a distance that they keep [m], and where."""
@@ -103,14 +104,19 @@ class Recent:
         self._boxes = boxes
         self._last: dict[int, _Last] = {}
 
-    def least(self, poses: Array, many: int, i: Integers, pair: Integers) -> tuple[Array, Array]:
-        """Return distances (c,) that pairs keep at postures i of `many`, and what `keep` takes.
+    def least(
+        self, poses: Array, many: int, i: Integers, pair: Integers
+    ) -> tuple[Array, Flags, Array]:
+        """Say what pairs keep at postures i of `many`.
 
         Args:
             poses: (c, 4, 4) of the second bodies in the first.
             many: How many postures.
             i: (c,) which.
             pair: (c,) which.
+
+        Returns:
+            Distances (c,) [m], where the last contact is recorded, and what `keep` takes.
         """
         corners = np.matmul(self._boxes[pair], np.swapaxes(poses[:, :3, :3], 1, 2))
         corners += poses[:, None, :3, 3]
@@ -126,7 +132,7 @@ class Recent:
         last = self._last[many]
         moved = last.corners[i, pair] - corners
         away = np.sqrt(np.einsum("cki,cki->ck", moved, moved).max(axis=1))
-        return last.distance[i, pair] - away, corners
+        return last.distance[i, pair] - away, last.near[i, pair], corners
 
     def keep(
         self, corners: Array, many: int, i: Integers, pair: Integers, distance: ArrayLike
@@ -145,7 +151,7 @@ class Recent:
     def recorded(
         self, many: int, i: Integers, pair: Integers, bound: Array, required: Array
     ) -> Contacts:
-        """Return the contacts that pairs had at postures i of `many`, with what they keep now.
+        """Return the recorded contacts of pairs at postures i of `many`, with what they keep now.
 
         Args:
             many: How many postures.
@@ -155,8 +161,6 @@ class Recent:
             required: (c,) of each [m].
         """
         last = self._last[many]
-        near = last.near[i, pair]
-        i, pair, bound, required = i[near], pair[near], bound[near], required[near]
         first, second, normal = np.moveaxis(last.where[i, pair], 1, 0)
         exact = last.exact[i, pair]
         return Contacts(i, pair, bound, required - bound, first, second, normal, exact)

@@ -14,6 +14,7 @@ _PER_LACK = 8.0  # 1/m: of the objective, that coming apart is expected to cost
 # Of the objective: so much a path falls behind when the whole budget was spent on it, while no path
 # has come apart yet, and after that.
 _DEAR = (0.3, 4.0)
+_EARLY = 1.03  # times what a path promises that was not apart at its points yet: most end above it
 _BETWEEN = 1.03  # times the objective at which a path is apart at its points
 _AHEAD = 3.0  # times what the last round gained: so much may still be gained
 _TRUSTED = 3  # rounds in which no more is expected of a path than before the first ...
@@ -48,7 +49,8 @@ class _Runner:
 
     def behind(self, dear: float) -> float:
         """Return the promise, and by how much a path falls behind that cost much already."""
-        return self.promise + dear * abs(self.promise) * self.spent
+        early = _EARLY - 1.0 if np.isinf(self.last) else 0.0
+        return self.promise + abs(self.promise) * (early + dear * self.spent)
 
 
 class Race:

@@ -7,23 +7,24 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-import coal
 import numpy as np
 import pinocchio as pin
 
 from dualarm_pin.arrays import Array
-from dualarm_pin.cell.solids import Solids
 from dualarm_pin.engine.evaluation import gaps
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.bodies import OFF_CHAIN, Pairs, capsule_table, joints_on_chain
 from dualarm_pin.repair.contacts import Contacts, Found
-from dualarm_pin.repair.known import Known, Measured, Recent
+from dualarm_pin.repair.known import Recent
+from dualarm_pin.repair.meshes import Meshes
 from dualarm_pin.repair.meter import Meter
 from dualarm_pin.rows.table import RowTable
 from dualarm_pin.solution import Flags
 from dualarm_pin.solvers.interior_point import compare
 
 _CLEAR = 0.01  # m: meshes that keep so much more have no rows until they come nearer
+# m: where hulls keep no more than that beyond what is asked, their meshes may be far apart.
+_TIGHT = 1e-3
 _SURE = 1e-6  # m: nearer points say nothing of a direction
 
 
@@ -49,13 +50,10 @@ class Survey:
         cell = problem.cell
         boxes = np.array([box_around(points, radius) for points, radius in pairs.hulls])
         self._recent = Recent(boxes.reshape(-1, 8, 3))
-        self._known = [Known(box) for box in boxes]
-        self._meshes_placed = False
         self._model, self._data = cell.model, cell.model.createData()
         self._geometry = cell.collision
         self._scene = self._geometry.createData()
-        self._meshes = cell.collision_meshes
-        self._exact, self._solids = self._meshes.createData(), Solids(self._meshes)
+        self._meshes = Meshes(problem, pairs, boxes, self._data)
         self._number, self._joint = pairs.number.tolist(), pairs.joint.tolist()
         every = np.ones((problem.k, len(pairs.number)), dtype=bool)
         table = self.capsule_table(every, np.zeros(len(pairs.number)))
@@ -109,8 +107,9 @@ class Survey:
         point, pairs = np.nonzero(which)
         first, second = (placed[point, self.pairs.joint[pairs, side]] for side in (0, 1))
         poses = _relative(first, second)
-        bound, corners = self._recent.least(poses, len(q), point, pairs)
-        close, known = bound < asked[point, pairs] + reach, bound >= asked[point, pairs] + ample
+        bound, recorded, corners = self._recent.least(poses, len(q), point, pairs)
+        close = bound < asked[point, pairs] + reach
+        known = recorded & (bound >= asked[point, pairs] + ample)
         near, old = np.flatnonzero(close & ~known), np.flatnonzero(close & known)
         self.meter.measured(len(q), len(near))
         distances: list[float] = []
@@ -120,7 +119,7 @@ class Survey:
                 at = i
                 pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(q[i]))
                 pin.updateGeometryPlacements(self._model, self._data, geometry, scene)
-                self._meshes_placed = False
+                self._meshes.moved()
             number, required = self._number[pair], float(asked[i, pair])
             result = pin.computeDistance(geometry, scene, number)
             hulls = result.min_distance
@@ -129,19 +128,19 @@ class Survey:
                 continue
             ends = result.getNearestPoint1(), result.getNearestPoint2()
             contact = Found(i, pair, hulls, False, *ends, result.normal)
-            if hulls < required:
-                most = required + min(reach, _CLEAR)
-                nearer, same = self._meshes_keep(pair, poses[c], hulls, most)
+            if hulls < required + _TIGHT:
+                most, surely = required + min(reach, _CLEAR), required + ample
+                nearer, closest = self._meshes.keep(pair, poses[c], hulls, most, surely, self.meter)
                 distances[-1] = max(hulls, nearer)
                 if nearer >= most:
                     continue
                 # Meshes that meet have no depth: then the hulls say it.
-                if same is not None and same.distance > max(_SURE, hulls + _SURE):
+                if closest is not None and closest.distance > max(_SURE, hulls + _SURE):
                     one, two = (
                         self._data.oMi[joint].act(point)
-                        for joint, point in zip(self._joint[pair], same[1:], strict=True)
+                        for joint, point in zip(self._joint[pair], closest[1:], strict=True)
                     )
-                    contact = Found(i, pair, same.distance, True, one, two, one)
+                    contact = Found(i, pair, closest.distance, True, one, two, one)
             found.append(contact)
             if self.pairs.required[pair] - contact.distance > enough:
                 break
@@ -161,44 +160,6 @@ class Survey:
             pin.forwardKinematics(self._model, self._data, self.problem.cell.model_q(x))
             placed[i] = [place.homogeneous for place in self._data.oMi]
         return placed
-
-    def _meshes_keep(
-        self, pair: int, pose: Array, hulls: float, most: float
-    ) -> tuple[float, Measured | None]:
-        """Return a distance that the meshes of a pair keep, and what was measured, if it is less.
-
-        Args:
-            pair: Which, at the posture that the bodies were placed for last.
-            pose: (4, 4) of the second body in the first.
-            hulls: The distance of their hulls [m].
-            most: Meshes so far apart are not looked at more closely [m].
-        """
-        least, met, same = self._known[pair].least(pose)
-        if same is not None or met or least >= most:
-            return (least if same is None else same.distance), same
-        if not self._meshes_placed:
-            pin.updateGeometryPlacements(self._model, self._data, self._meshes, self._exact)
-            self._meshes_placed = True
-        # A body that was outside another cannot be in it before the two have met.
-        outside = np.inf if least > 0.0 else hulls
-        nearer = self._solids.distance(self._number[pair], self._exact, outside, most)
-        self.meter.meshes(self._solids.triangles(self._number[pair]))
-        return float(nearer.min_distance), self._remember(pair, pose, nearer, most)
-
-    def _remember(
-        self, pair: int, pose: Array, nearer: coal.DistanceResult, most: float
-    ) -> Measured | None:
-        """Keep what was measured between meshes; return it where they are nearer than `most`."""
-        distance, measured = float(nearer.min_distance), None
-        if distance < most:
-            ends = nearer.getNearestPoint1(), nearer.getNearestPoint2()
-            points = [
-                self._data.oMi[joint].actInv(np.array(point))
-                for joint, point in zip(self._joint[pair], ends, strict=True)
-            ]
-            measured = Measured(distance, *points)
-        self._known[pair].add(pose, distance, measured)
-        return measured
 
     def capsule_table(self, active: Flags, reduced: Array) -> RowTable:
         """Return rows that keep capsules apart; see `bodies.capsule_table`."""
