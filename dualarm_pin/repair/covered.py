@@ -23,8 +23,8 @@ from dualarm_pin.tolerance import TOLERANCE
 
 _POSTURES = 8  # of a path, at which its bodies are measured
 _BETWEEN = 4  # postures between its points, at which they are looked at
-_PATHS = 3  # paths, the best first, from which is learnt
-_WORST = 2  # pairs of a posture that have rows from then on: those beside them move with them
+_PATHS = 2  # paths, the best first, from which is learnt
+_WORST = 3  # pairs of a posture that have rows from then on: those beside them move with them
 _REACH = 0.03  # m: pairs so near say how much fatter their capsules are
 # m: pairs deeper in each other say it less well, and those farther apart do not count.
 _CLOSE, _APART = 0.04, 0.01
