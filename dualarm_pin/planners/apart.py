@@ -20,6 +20,7 @@ from dualarm_pin.evidence.check import polished
 from dualarm_pin.planners.alternatives import Candidate, local_evidence, with_alternatives
 from dualarm_pin.problem import Problem
 from dualarm_pin.progress import Progress
+from dualarm_pin.repair import few
 from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.few import LONG, led_by_few
@@ -143,7 +144,8 @@ def _with_room(task: Task, basin: Basin, path: Repaired) -> Iterator[Repaired]:
         lack, line, _, pair = search.worst
         basin.survey.meter = Meter(free.problem, EFFORTS["quick"].work)
         try:
-            ways = (basin.roomier(path, pair, line - free.first, room * lack) for room in _ROOMS)
+            way = few.roomier if free.problem.k > LONG else Basin.roomier
+            ways = (way(basin, path, pair, line - free.first, room * lack) for room in _ROOMS)
             wider = next((way for way in ways if way is not None), None)
         except OverError:
             return

@@ -15,7 +15,7 @@ from dualarm_pin.arrays import Array
 from dualarm_pin.engine.solve import Options, solve
 from dualarm_pin.problem import Problem
 from dualarm_pin.repair.contacts import Contacts
-from dualarm_pin.repair.dips import DIP, ENOUGH, add_dips, inner_postures
+from dualarm_pin.repair.dips import ENOUGH, add_dips, inner_postures, with_room
 from dualarm_pin.repair.fitted import fitted_path
 from dualarm_pin.repair.repaired import Repaired, Standing, Steps, ended
 from dualarm_pin.repair.survey import Survey
@@ -127,9 +127,12 @@ class Basin:
             line: After which point; before the first one for -1.
             lack: What is missing there [m].
         """
-        extra = path.extra.copy()
-        extra[pair, max(line, 0) : max(line, 0) + 2] += DIP * max(lack, ENOUGH)
+        extra = with_room(path.extra, pair, line, lack)
         return ended(self._kept(path.q, extra, np.inf))
+
+    def settled(self, path: Repaired) -> Steps:
+        """Yield where a path that is apart stands while its objective comes down."""
+        return self._kept(path.q, path.extra.copy(), np.inf)
 
     def _kept(self, q: Array, extra: Array, limit: float) -> Steps:
         """Return the end of rounds at the points and then between them; `extra` is changed.

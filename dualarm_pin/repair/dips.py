@@ -36,3 +36,17 @@ def add_dips(survey: Survey, q: Array, extra: Array) -> float:
     extra[:, :-1] += dips
     extra[:, 1:] += dips
     return np.inf if meet.any() else contacts.worst
+
+
+def with_room(extra: Array, pair: int, line: int, lack: float) -> Array:
+    """Return what is asked beyond what is required (p, k), with more room on one line.
+
+    Args:
+        extra: What was asked so far [m].
+        pair: Which pair needs room.
+        line: After which point; before the first one for -1.
+        lack: What is missing there [m].
+    """
+    more = extra.copy()
+    more[pair, max(line, 0) : max(line, 0) + 2] += DIP * max(lack, ENOUGH)
+    return more

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
+from collections.abc import Generator, Sequence
 
 import numpy as np
 
 from dualarm_pin.arrays import Array
 from dualarm_pin.repair.basin import Basin
-from dualarm_pin.repair.dips import ENOUGH, add_dips
+from dualarm_pin.repair.dips import ENOUGH, add_dips, with_room
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import Apart, Effort, keep_apart
 from dualarm_pin.repair.repaired import Repaired
@@ -26,6 +26,7 @@ _DENSE = 6  # times as many points: so far they follow a path by themselves, mos
 _ALONE = 5  # solves of a point alone, until its bodies are apart
 _REACH = 0.2  # rad or m, that it may move in one
 _ROUNDS = 8  # over the points whose bodies are not apart
+_EASED = 2.0  # times the work, to bring the objective of a path of all points down
 _GIVEN = 2  # paths of a few points, of which the first is taken that all points can follow
 
 
@@ -69,6 +70,8 @@ def led_by_few(
             path = _followed(levels, each.q, basin, effort, deadline)
             if path is not None:
                 result.found = [path]
+                for better in _eased(basin, path, effort, deadline):
+                    result.found = [better]
                 break
     except OverError:
         result.complete, result.cut = False, result.cut or time.monotonic() > deadline
@@ -93,6 +96,7 @@ def _followed(
     one by one, more points follow together.
     """
     survey, whole, last = basin.survey, basin.survey.problem, levels[0]
+    nothing = np.zeros((len(survey.pairs.number), whole.k))
     for level in levels:
         if level is not levels[0]:
             few = _on(level, survey, effort, deadline)
@@ -102,7 +106,7 @@ def _followed(
             q, last = path.q, level
         if len(level.points) * _DENSE >= whole.k:
             survey.meter = Meter(whole, effort.work, deadline)
-            path = _set_down(basin, level.start(q))
+            path = _set_down(basin, level.start(q), nothing.copy())
             if path is not None:
                 return path
     survey.meter = Meter(whole, effort.work, deadline)
@@ -111,10 +115,38 @@ def _followed(
     return path if path is not None and basin.keeps(path.q) else None
 
 
-def _set_down(basin: Basin, q: Array) -> Repaired | None:
-    """Put a path (k, n) near the poses onto them, and move apart what is not, point by point."""
+def _eased(
+    basin: Basin, path: Repaired, effort: Effort, deadline: float
+) -> Generator[Repaired, None, None]:
+    """Yield better paths than one whose points came apart one by one: all of them together."""
+    meter = basin.survey.meter = Meter(basin.survey.problem, _EASED * effort.work, deadline)
+    meter.found = True
+    steps = basin.settled(path)
+    while True:
+        try:
+            found, last = next(steps).found, False
+        except StopIteration as end:
+            found, last = end.value, True
+        if found is not None and found.objective < path.objective:
+            yield found
+        if last:
+            return
+
+
+def roomier(basin: Basin, path: Repaired, pair: int, line: int, lack: float) -> Repaired | None:
+    """Return a long path with more room for a pair on one line; as `Basin.roomier`.
+
+    A whole long path would move everywhere for that; so only the points without room do.
+    """
+    return _set_down(basin, path.q, with_room(path.extra, pair, line, lack))
+
+
+def _set_down(basin: Basin, q: Array, extra: Array) -> Repaired | None:
+    """Put a path (k, n) near the poses onto them, and move apart what is not, point by point.
+
+    What is asked beyond what is required, `extra` (p, k) [m], grows where bodies dip.
+    """
     survey, problem = basin.survey, basin.survey.problem
-    extra = np.zeros((len(survey.pairs.number), len(q)))
     for _ in range(_ROUNDS):
         q, residual = project(problem, q)
         contacts = survey.contacts(q, REACH, extra)
