@@ -40,7 +40,7 @@ from dualarm_pin.repair.known import Known, Measured
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.race import Race
-from dualarm_pin.repair.repaired import Standing, Steps
+from dualarm_pin.repair.repaired import Repaired, Standing, Steps
 from dualarm_pin.repair.survey import Survey, box_around
 from dualarm_pin.repair.walks import stepped
 from dualarm_pin.repair.witness import asked_apart, cuts, witness_table
@@ -400,6 +400,21 @@ def test_a_long_path_is_led_apart_by_a_few_of_its_points() -> None:
     asked = asked_of(task).required
     seen = np.min([task.cell.distances(q) for q in answer.q], axis=0)
     assert np.all(seen >= asked - TOLERANCE.clearance)
+
+
+def test_a_long_path_that_lost_a_point_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    set_down = few._set_down
+
+    def lost(basin: Basin, q: Array, extra: Array) -> Repaired | None:
+        path = set_down(basin, q, extra)
+        assert path is not None
+        path.q[len(q) // 2] += 3.0
+        return path
+
+    monkeypatch.setattr("dualarm_pin.repair.few._set_down", lost)
+    task = Task.load(TASK, ["clearance=0.15", "path.corner.points=[60, 21, 60]"])
+    answer = plan_global(task, effort="quick", jobs=1)
+    assert answer.found, answer.message
 
 
 @pytest.mark.parametrize("cut", [True, False])

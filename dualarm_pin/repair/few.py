@@ -107,12 +107,17 @@ def _followed(
         if len(level.points) * _DENSE >= whole.k:
             survey.meter = Meter(whole, effort.work, deadline)
             path = _set_down(basin, level.start(q), nothing.copy())
-            if path is not None:
+            if path is not None and _longest(path.q) <= _longest(q):  # else a point was lost
                 return path
     survey.meter = Meter(whole, effort.work, deadline)
     path = Basin(survey, between=False, settle=False).repaired(_cleared(survey, last.start(q)))
     survey.meter = Meter(whole)
     return path if path is not None and basin.keeps(path.q) else None
+
+
+def _longest(q: Array) -> float:
+    """Return the longest step of a joint on a path (k, n) [rad or m]."""
+    return float(np.abs(np.diff(q, axis=0)).max())
 
 
 def _eased(
