@@ -431,7 +431,7 @@ def test_a_long_path_is_not_begun_anew_after_ctrl_c(
     monkeypatch.setattr("dualarm_pin.planners.apart.keep_apart", stopped)
     task = Task.load(TASK, ["clearance=0.15", "path.corner.points=[60, 21, 60]"])
     answer = plan_global(task, effort="quick", jobs=1)
-    assert begun == ([48] if cut else [48, 141])
+    assert begun == ([96] if cut else [96, 141])
     assert answer.message.startswith(f"none of {2 if cut else 4} paths that were tried")
 
 

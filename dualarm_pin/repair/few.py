@@ -21,7 +21,7 @@ from dualarm_pin.solvers.projection import project
 from dualarm_pin.tolerance import TOLERANCE
 
 LONG = 100  # points; a path with more is led by a few of them
-_FEW = 48  # points: about as many as a short path has, where repairs are cheap
+_FEW = 96  # points: between fewer a path jumps through bodies, and no other follows it
 _DENSE = 6  # times as many points: so far they follow a path by themselves, mostly
 _ALONE = 5  # solves of a point alone, until its bodies are apart
 _REACH = 0.2  # rad or m, that it may move in one
