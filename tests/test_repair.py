@@ -402,6 +402,14 @@ def test_a_long_path_is_led_apart_by_a_few_of_its_points() -> None:
     assert np.all(seen >= asked - TOLERANCE.clearance)
 
 
+@needs_robots
+def test_a_long_path_that_many_points_do_not_lead_is_led_by_fewer() -> None:
+    points = "path.dome_spiral.points=301"
+    task = Task.load(urdf_folder() / "tasks" / "b06.yaml", ["clearance=0.01", points])
+    answer = plan_global(task, effort="quick", jobs=1)
+    assert answer.found, answer.message
+
+
 def test_a_long_path_that_lost_a_point_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
     set_down = few._set_down
 
@@ -431,8 +439,8 @@ def test_a_long_path_is_not_begun_anew_after_ctrl_c(
     monkeypatch.setattr("dualarm_pin.planners.apart.keep_apart", stopped)
     task = Task.load(TASK, ["clearance=0.15", "path.corner.points=[60, 21, 60]"])
     answer = plan_global(task, effort="quick", jobs=1)
-    assert begun == ([96] if cut else [96, 141])
-    assert answer.message.startswith(f"none of {2 if cut else 4} paths that were tried")
+    assert begun == ([96] if cut else [96, 48, 141])
+    assert answer.message.startswith(f"none of {2 if cut else 6} paths that were tried")
 
 
 def test_points_between_those_of_a_path_that_is_apart_are_set_down_one_by_one(

@@ -8,6 +8,7 @@ from collections.abc import Generator, Sequence
 import numpy as np
 
 from dualarm_pin.arrays import Array
+from dualarm_pin.problem import Problem
 from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.dips import ENOUGH, add_dips, with_room
 from dualarm_pin.repair.meter import Meter, OverError
@@ -21,7 +22,9 @@ from dualarm_pin.solvers.projection import project
 from dualarm_pin.tolerance import TOLERANCE
 
 LONG = 100  # points; a path with more is led by a few of them
-_FEW = 96  # points: between fewer a path jumps through bodies, and no other follows it
+# Points, in turn: between fewer a path jumps through bodies and no other follows it; with more one
+# is not always found.
+_FEW = (96, 48)
 _DENSE = 6  # times as many points: so far they follow a path by themselves, mostly
 _ALONE = 5  # solves of a point alone, until its bodies are apart
 _REACH = 0.2  # rad or m, that it may move in one
@@ -54,17 +57,42 @@ def led_by_few(
     Returns:
         One path, or none; after Ctrl-C what there was so far.
     """
-    whole, counts = basin.survey.problem, [_FEW]
+    result = Apart()
+    for count in _FEW:
+        levels = _levels(basin.survey.problem, count)
+        last = _led_by(levels, basin, minima, effort, deadline, seed, jobs, given)
+        last.tried, last.complete = last.tried + result.tried, last.complete and result.complete
+        result = last
+        if result.found or result.cut:
+            break
+    basin.survey.meter = Meter(basin.survey.problem)
+    return result
+
+
+def _levels(whole: Problem, count: int) -> list[Coarse]:
+    """Return problems of so many points of a whole path, of twice as many, and so on."""
+    counts = [count]
     while counts[-1] << 1 < whole.k:
         counts.append(counts[-1] << 1)
-    levels = [coarse_of(whole, count) for count in counts]
-    few = _on(levels[0], basin.survey, effort, deadline)
-    at = levels[0].points
+    return [coarse_of(whole, count) for count in counts]
+
+
+def _led_by(
+    levels: Sequence[Coarse],
+    basin: Basin,
+    minima: Sequence[tuple[float, Array]],
+    effort: Effort,
+    deadline: float,
+    seed: int,
+    jobs: int | None,
+    given: Sequence[Array],
+) -> Apart:
+    """Return what the points of the first level lead to; see `led_by_few`."""
+    few, at = _on(levels[0], basin.survey, effort, deadline), levels[0].points
     thinned = [(value, path[at]) for value, path in minima]
     also = [path[at] for path in given]
     apart = keep_apart(few, thinned, effort, seed=seed, jobs=jobs, given=also)
     result = Apart(tried=apart.tried, complete=apart.complete, cut=apart.cut)
-    survey = basin.survey
     try:
         for each in apart.found[:_GIVEN]:
             path = _followed(levels, each.q, basin, effort, deadline)
@@ -77,7 +105,6 @@ def led_by_few(
         result.complete, result.cut = False, result.cut or time.monotonic() > deadline
     except KeyboardInterrupt:
         result.complete, result.cut = False, True
-    survey.meter = Meter(whole)
     return result
 
 
