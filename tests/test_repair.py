@@ -6,7 +6,7 @@ import time
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import pinocchio as pin
@@ -35,7 +35,7 @@ from dualarm_pin.repair import few
 from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
 from dualarm_pin.repair.covers import cover
-from dualarm_pin.repair.dips import inner_postures
+from dualarm_pin.repair.dips import INNER, inner_postures
 from dualarm_pin.repair.known import Known, Measured
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
@@ -267,14 +267,19 @@ def test_the_corner_that_a_step_brings_through_a_plane_is_held(survey: Survey, b
     assert np.all(broken < 0.0)
 
 
+def tightest_line(survey: Survey, q: Array) -> tuple[int, int]:
+    """Return the pair that is nearest between the points of a path, and after which point."""
+    between = survey.contacts(inner_postures(q), 0.1)
+    tightest = int(np.argmax(between.lack))
+    return int(between.pair[tightest]), int(between.point[tightest]) // INNER
+
+
 def test_more_room_on_one_line_moves_a_pair_apart_there(
     task: Task, survey: Survey, basin: Basin, best: Array
 ) -> None:
     path = basin.repaired(best)
     assert path is not None
-    between = survey.contacts(inner_postures(path.q), 0.1)
-    tightest = int(np.argmax(between.lack))
-    pair, line = int(between.pair[tightest]), int(between.point[tightest]) // 3
+    pair, line = tightest_line(survey, path.q)
     wider = basin.roomier(path, pair, line, 5e-3)
     assert wider is not None
     ends = wider.q[line : line + 2]
@@ -288,9 +293,7 @@ def test_on_a_long_path_only_the_points_without_room_move(
 ) -> None:
     path = basin.repaired(best)
     assert path is not None
-    between = survey.contacts(inner_postures(path.q), 0.1)
-    tightest = int(np.argmax(between.lack))
-    pair, line = int(between.pair[tightest]), int(between.point[tightest]) // 3
+    pair, line = tightest_line(survey, path.q)
     wider = few.roomier(basin, path, pair, line, 2e-3)
     assert wider is not None
     number = survey.pairs.number[pair]
@@ -403,11 +406,20 @@ def test_a_long_path_is_led_apart_by_a_few_of_its_points() -> None:
 
 
 @needs_robots
-def test_a_long_path_that_many_points_do_not_lead_is_led_by_fewer() -> None:
-    points = "path.dome_spiral.points=301"
+def test_a_long_path_that_many_points_do_not_lead_is_led_by_fewer(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    points, begun = "path.dome_spiral.points=301", list[int]()
+
+    def seen(basin: Basin, *given: Any, **named: Any) -> Apart:
+        begun.append(basin.survey.problem.k)
+        return keep_apart(basin, *given, **named)
+
+    monkeypatch.setattr("dualarm_pin.repair.few.keep_apart", seen)
     task = Task.load(urdf_folder() / "tasks" / "b06.yaml", ["clearance=0.01", points])
     answer = plan_global(task, effort="quick", jobs=1)
     assert answer.found, answer.message
+    assert begun == [96, 48]
 
 
 def test_a_long_path_that_lost_a_point_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -420,6 +432,7 @@ def test_a_long_path_that_lost_a_point_is_not_taken(monkeypatch: pytest.MonkeyPa
         return path
 
     monkeypatch.setattr("dualarm_pin.repair.few._set_down", lost)
+    monkeypatch.setattr("dualarm_pin.repair.few._eased", lambda *_: iter(()))  # it might mend that
     task = Task.load(TASK, ["clearance=0.15", "path.corner.points=[60, 21, 60]"])
     answer = plan_global(task, effort="quick", jobs=1)
     assert answer.found, answer.message

@@ -23,7 +23,6 @@ from dualarm_pin.progress import Progress
 from dualarm_pin.repair import few
 from dualarm_pin.repair.basin import Basin
 from dualarm_pin.repair.bodies import asked_pairs
-from dualarm_pin.repair.few import LONG, led_by_few
 from dualarm_pin.repair.meter import Meter, OverError
 from dualarm_pin.repair.pool import EFFORTS, Apart, keep_apart
 from dualarm_pin.repair.repaired import Repaired
@@ -93,8 +92,8 @@ def plan_apart(
     if left < np.inf:
         stop -= max(_CHECK * left, min(_CHECK_S, _CHECK_MOST * left))
     how, apart = EFFORTS[effort], Apart()
-    if free.problem.k > LONG:
-        apart = led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs, given=given)
+    if free.problem.k > few.LONG:
+        apart = few.led_by_few(basin, minima, how, deadline=stop, seed=seed, jobs=jobs, given=given)
     if not (apart.found or apart.cut):
         survey.meter, before = Meter(free.problem, how.work, stop), apart.tried
         apart = keep_apart(basin, minima, how, seed=seed, jobs=jobs, given=given)
@@ -144,8 +143,9 @@ def _with_room(task: Task, basin: Basin, path: Repaired) -> Iterator[Repaired]:
         lack, line, _, pair = search.worst
         basin.survey.meter = Meter(free.problem, EFFORTS["quick"].work)
         try:
-            way = few.roomier if free.problem.k > LONG else Basin.roomier
-            ways = (way(basin, path, pair, line - free.first, room * lack) for room in _ROOMS)
+            roomier = few.roomier if free.problem.k > few.LONG else Basin.roomier
+            after = line - free.first
+            ways = (roomier(basin, path, pair, after, room * lack) for room in _ROOMS)
             wider = next((way for way in ways if way is not None), None)
         except OverError:
             return

@@ -57,15 +57,19 @@ def led_by_few(
     Returns:
         One path, or none; after Ctrl-C what there was so far.
     """
-    result = Apart()
+    whole, result = basin.survey.problem, Apart()
     for count in _FEW:
-        levels = _levels(basin.survey.problem, count)
-        last = _led_by(levels, basin, minima, effort, deadline, seed, jobs, given)
+        levels = _levels(whole, count)
+        few, at = _on(levels[0], basin.survey, effort, deadline), levels[0].points
+        thinned = [(value, path[at]) for value, path in minima]
+        also = [path[at] for path in given]
+        apart = keep_apart(few, thinned, effort, seed=seed, jobs=jobs, given=also)
+        last = _all_points(levels, apart, basin, effort, deadline)
         last.tried, last.complete = last.tried + result.tried, last.complete and result.complete
         result = last
         if result.found or result.cut:
             break
-    basin.survey.meter = Meter(basin.survey.problem)
+    basin.survey.meter = Meter(whole)
     return result
 
 
@@ -77,21 +81,10 @@ def _levels(whole: Problem, count: int) -> list[Coarse]:
     return [coarse_of(whole, count) for count in counts]
 
 
-def _led_by(
-    levels: Sequence[Coarse],
-    basin: Basin,
-    minima: Sequence[tuple[float, Array]],
-    effort: Effort,
-    deadline: float,
-    seed: int,
-    jobs: int | None,
-    given: Sequence[Array],
+def _all_points(
+    levels: Sequence[Coarse], apart: Apart, basin: Basin, effort: Effort, deadline: float
 ) -> Apart:
-    """Return what the points of the first level lead to; see `led_by_few`."""
-    few, at = _on(levels[0], basin.survey, effort, deadline), levels[0].points
-    thinned = [(value, path[at]) for value, path in minima]
-    also = [path[at] for path in given]
-    apart = keep_apart(few, thinned, effort, seed=seed, jobs=jobs, given=also)
+    """Return what the paths that came apart at the points of the first level lead to."""
     result = Apart(tried=apart.tried, complete=apart.complete, cut=apart.cut)
     try:
         for each in apart.found[:_GIVEN]:
@@ -123,7 +116,6 @@ def _followed(
     one by one, more points follow together.
     """
     survey, whole, last = basin.survey, basin.survey.problem, levels[0]
-    nothing = np.zeros((len(survey.pairs.number), whole.k))
     for level in levels:
         if level is not levels[0]:
             few = _on(level, survey, effort, deadline)
@@ -133,7 +125,8 @@ def _followed(
             q, last = path.q, level
         if len(level.points) * _DENSE >= whole.k:
             survey.meter = Meter(whole, effort.work, deadline)
-            path = _set_down(basin, level.start(q), nothing.copy())
+            nothing = np.zeros((len(survey.pairs.number), whole.k))
+            path = _set_down(basin, level.start(q), nothing)
             if path is not None and _longest(path.q) <= _longest(q):  # else a point was lost
                 return path
     survey.meter = Meter(whole, effort.work, deadline)

@@ -65,6 +65,13 @@ class Meshes:
         meter.meshes(self._solids.triangles(self._number[pair]))
         return float(nearer.min_distance), self._remember(pair, pose, nearer, most)
 
+    def ends(self, pair: int, measured: Measured) -> list[Array]:
+        """Return the nearest points of a pair, as measured, in the world of the posture [m]."""
+        return [
+            np.asarray(self._data.oMi[joint].act(point))
+            for joint, point in zip(self._joint[pair], measured[1:], strict=True)
+        ]
+
     def _remember(
         self, pair: int, pose: Array, nearer: coal.DistanceResult, most: float
     ) -> Measured | None:

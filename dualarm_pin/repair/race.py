@@ -48,7 +48,7 @@ class _Runner:
     last: float = np.inf
 
     def behind(self, dear: float) -> float:
-        """Return the promise, and by how much a path falls behind that cost much already."""
+        """Return the promise, and how far a path falls behind that is not apart, or cost much."""
         early = _EARLY - 1.0 if np.isinf(self.last) else 0.0
         return self.promise + abs(self.promise) * (early + dear * self.spent)
 

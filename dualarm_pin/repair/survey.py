@@ -54,7 +54,7 @@ class Survey:
         self._geometry = cell.collision
         self._scene = self._geometry.createData()
         self._meshes = Meshes(problem, pairs, boxes, self._data)
-        self._number, self._joint = pairs.number.tolist(), pairs.joint.tolist()
+        self._number = pairs.number.tolist()
         every = np.ones((problem.k, len(pairs.number)), dtype=bool)
         table = self.capsule_table(every, np.zeros(len(pairs.number)))
         self._capsules = replace(problem, inequalities=table)
@@ -76,7 +76,8 @@ class Survey:
             extra: (p, m) what is required of each pair at each posture beyond that [m].
             enough: Where more lacks, `extra` aside, nothing further is measured [m].
             ample: A pair that surely keeps so much more than is asked is not measured anew [m]:
-                its contact is the last one, and what it surely keeps stands for the distance.
+                its contact is the last one, or of meshes that measured at the nearest pose, and
+                what it surely keeps stands for the distance.
         """
         room = reach if extra is None else reach + extra.T
         return self.measured(q, self.capsule_gaps(q) < room, reach, extra, enough, ample)
@@ -136,10 +137,7 @@ class Survey:
                     continue
                 # Meshes that meet have no depth: then the hulls say it.
                 if closest is not None and closest.distance > max(_SURE, hulls + _SURE):
-                    one, two = (
-                        self._data.oMi[joint].act(point)
-                        for joint, point in zip(self._joint[pair], closest[1:], strict=True)
-                    )
+                    one, two = self._meshes.ends(pair, closest)
                     contact = Found(i, pair, closest.distance, True, one, two, one)
             found.append(contact)
             if self.pairs.required[pair] - contact.distance > enough:
